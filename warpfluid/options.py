@@ -1,0 +1,96 @@
+"""Every choice a run can make: the paper's numbers, explained.
+
+The command line makes its flags from these classes, and ``run.toml`` stores them. Defaults are what gives the
+best volumes; ``ReconstructOptions.paper()`` sets everything to the paper's choices.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Annotated, Literal
+
+
+@dataclass(frozen=True, kw_only=True)
+class InputOptions:
+    """How pictures become grey images of light on black."""
+
+    frames: Annotated[str | None, "Frames to use, such as 1001-1024, 1-100x2 or 1,5,9; all that every view has by default"] = None
+    resolution: Annotated[str | None, "Size of a picture, WIDTH or WIDTHxHEIGHT; larger footage is reduced to it"] = None
+    crop: Annotated[str | None, "Part of the picture to use, WIDTHxHEIGHT+LEFT+TOP in its pixels"] = None
+    decode: Annotated[
+        Literal["none", "srgb", "rec709"], "Tone curve to undo before the luminance is taken; float images are linear already"
+    ] = "none"
+    black_level: Annotated[float, "Grey level of the empty background, taken off every pixel [0-255]"] = 0.0
+    background: Annotated[
+        str | None, "Picture of the empty set to take off, or `median` for the median over the frames"
+    ] = None
+    largest_component: Annotated[bool, "Keep the largest connected lit region only: sparks and props go"] = False
+    white: Annotated[
+        float | None, "Pixel value that becomes 255; by default full range for integer footage, the brightest pixel for float"
+    ] = None
+    equalize_rows: Annotated[
+        bool, "Give every view the same total in each image row, as light that no medium absorbs has"
+    ] = True
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReconstructOptions:
+    """The reconstruction of Section 3."""
+
+    method: Annotated[
+        Literal["appearance-transfer", "lsm"], "appearance-transfer, or least squares alone (Eq. 3)"
+    ] = "appearance-transfer"
+    iterations: Annotated[int, "EM iterations; 5 serve for a preview"] = 8
+    angles: Annotated[int | None, "Views that appearance is transferred to; from the width by default, 180 for the paper's sizes"] = None
+    footprint: Annotated[Literal["box", "joseph"], "What a voxel looks like to a ray: box conserves light in every view"] = "box"
+    # E-step
+    cg_steps: Annotated[int, "Conjugate gradient steps of an E-step"] = 5
+    lsm_steps: Annotated[int, "Conjugate gradient steps of the initial volume (Eq. 3)"] = 12
+    preconditioner: Annotated[Literal["ramp", "none"], "ramp lets few steps reach fine horizontal detail; none is plain CG"] = "ramp"
+    blur: Annotated[float, "Standard deviation of the 3D blur that ends an E-step [voxel]"] = 0.4
+    input_weight: Annotated[float, "Weight of a measured view against a made one"] = 10.0
+    non_negative: Annotated[bool, "Clip negative density after every solve"] = True
+    row_sums: Annotated[bool, "Give made views the row sums of the measured ones"] = True
+    slice_rescale: Annotated[bool, "Rescale every horizontal slice to the measured row sum after an E-step"] = False
+    balance: Annotated[int, "Multiplicative sweeps that make the measured views exact after an E-step"] = 2
+    balance_power: Annotated[float, "Exponent of the ratio in balancing, 0-1; lower is milder where views disagree"] = 1.0
+    fade: Annotated[float, "Share of black views at which a voxel has faded to nothing; 0 is off"] = 0.5
+    fade_blur: Annotated[float, "Smoothing of that share [voxel]"] = 1.5
+    # visual hull and start
+    threshold: Annotated[float, "Grey level above which a pixel belongs to the silhouette [0-255]"] = 1.0
+    hull: Annotated[
+        Literal["auto", "silhouette", "round"], "silhouette: what all views see; round: circles about one view's bulk; auto: round for one view"
+    ] = "auto"
+    hull_radius: Annotated[float, "Radius of the round hull over half the bulk's width"] = 1.45
+    start_noise: Annotated[float, "Log-amplitude of the noise in the initial volume; 0 is off"] = 0.3
+    noise_grain: Annotated[float, "Scale of that noise [voxel]"] = 2.0
+    noise_grain_y: Annotated[float | None, "Its scale along the height; the same by default. Flames: 8 with grain 3 and noise 1"] = None
+    seed: Annotated[int, "Seed of the noise, the same for all frames"] = 0
+    # M-step
+    scales: Annotated[int | None, "Scales of the steerable pyramid; from the picture's size by default"] = None
+    interpolation: Annotated[
+        Literal["density", "quantile", "hybrid", "nearest", "first"], "How histograms of neighbouring inputs mix: density is Eq. 4"
+    ] = "density"
+    # one view
+    side: Annotated[
+        Literal["mirror", "front", "measured"],
+        "One view: the side looks like the mirrored front, like the front, or is the front as a measurement (the paper's choice)",
+    ] = "mirror"
+    shoulder: Annotated[
+        float, "Strength of a film-like tone curve to undo, 2 to 3.5 for flames with a flat white core; 0 is off"
+    ] = 0.0
+
+    @classmethod
+    def paper(cls, **changes) -> "ReconstructOptions":
+        """Return the paper's choices, with ``changes`` on top."""
+        paper = cls(
+            angles=180,
+            preconditioner="none",
+            input_weight=10.0,
+            row_sums=False,
+            slice_rescale=True,
+            balance=0,
+            fade=0.0,
+            start_noise=0.0,
+            hull="silhouette",
+            side="measured",
+        )
+        return replace(paper, **changes)
