@@ -1,7 +1,7 @@
 """From a picture in a file to an image of light on black.
 
-The order is: crop, undo the tone curve, luminance, take the background off, scale to 0..255, take the black level off,
-keep the largest region, reduce, and turn to (u, v) with v up.
+The order is: crop, undo the tone curve, luminance, take the background off, scale to 0..255, take the black
+level off, keep the largest region, shrink, and turn to (u, v) with v up.
 """
 
 import re
@@ -44,9 +44,8 @@ class Matting:
         if self.crop is not None:
             width, height, left, top = self.crop
             picture = picture[top : top + height, left : left + width]
-        light = np.nan_to_num(
-            luminance(undo_tone_curve(picture, self.decode)), nan=0.0, posinf=0.0, neginf=0.0
-        )
+        picture = np.where(np.isfinite(picture), picture, np.float32(0))
+        light = luminance(undo_tone_curve(picture, self.decode))
         if self.background is not None:
             light = light - self.background
         return np.maximum(light, 0.0)
@@ -62,7 +61,7 @@ class Matting:
             grey = np.maximum(grey - self.black_level, 0.0) * np.float32(255.0 / (255.0 - self.black_level))
         if self.largest_component:
             grey = keep_largest_region(grey)
-        return to_image(reduce(grey, self.size))
+        return to_image(shrink(grey, self.size))
 
 
 def parse_resolution(text: str) -> tuple[int, int | None]:
@@ -76,7 +75,7 @@ def parse_resolution(text: str) -> tuple[int, int | None]:
 def parse_crop(text: str) -> tuple[int, int, int, int]:
     """Return width, height, left and top of ``WIDTHxHEIGHT+LEFT+TOP``."""
     match = re.fullmatch(r"\s*(\d+)[xX](\d+)\+(\d+)\+(\d+)\s*", text)
-    if not match or "0" in (match[1].lstrip("0") or "0", match[2].lstrip("0") or "0"):
+    if not match or int(match[1]) * int(match[2]) == 0:
         raise ValueError(f"--crop {text!r} is not WIDTHxHEIGHT+LEFT+TOP, such as 640x720+320+0")
     return tuple(int(number) for number in match.groups())
 
@@ -92,7 +91,7 @@ def luminance(picture: np.ndarray) -> np.ndarray:
         return picture.astype(np.float32)
     if picture.ndim != 3 or picture.shape[2] not in (1, 3, 4):
         raise ValueError(
-            f"pictures must have the shape (rows, columns) or (rows, columns, 1, 3 or 4), found {picture.shape}"
+            f"pictures must have the shape (rows, columns) or (rows, columns, 1, 3 or 4), not {picture.shape}"
         )
     if picture.shape[2] == 1:
         return picture[..., 0].astype(np.float32)
@@ -100,17 +99,14 @@ def luminance(picture: np.ndarray) -> np.ndarray:
 
 
 def undo_tone_curve(picture: np.ndarray, curve: str) -> np.ndarray:
-    """Return linear light for values 0..1 that went through the ``srgb`` or ``rec709`` curve; ``none`` keeps them."""
+    """Return linear light for values of 0 to 1 behind the curve ``none``, ``srgb`` or ``rec709``."""
     if curve == "none":
         return picture
+    picture = np.maximum(picture, 0)
     if curve == "srgb":  # IEC 61966-2-1
-        return np.where(
-            picture <= 0.04045, picture / 12.92, ((np.maximum(picture, 0) + 0.055) / 1.055) ** 2.4
-        )
+        return np.where(picture <= 0.04045, picture / 12.92, ((picture + 0.055) / 1.055) ** 2.4)
     if curve == "rec709":
-        return np.where(
-            picture < 0.081, picture / 4.5, ((np.maximum(picture, 0) + 0.099) / 1.099) ** (1 / 0.45)
-        )
+        return np.where(picture < 0.081, picture / 4.5, ((picture + 0.099) / 1.099) ** (1 / 0.45))
     raise ValueError(f"decode is {curve!r}: use none, srgb or rec709")
 
 
@@ -125,7 +121,7 @@ def keep_largest_region(grey: np.ndarray) -> np.ndarray:
     return np.where(labels == 1 + np.argmax(areas), grey, np.float32(0))
 
 
-def reduce(picture: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+def shrink(picture: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     """Average a picture over the area of each new pixel, so that its mean stays exactly the same.
 
     Args:
@@ -144,8 +140,8 @@ def to_image(picture: np.ndarray) -> np.ndarray:
 def equalize_rows(images: np.ndarray) -> np.ndarray:
     """Give every view the same total in each image row, as light that no medium absorbs has.
 
-    The total is the mean over the views in which the row is lit.  A row that is dark in a view stays so, and no row is
-    scaled by more than a factor of four.
+    The total is the mean over the views in which the row is lit. A row that is dark in a view stays so, and
+    no row is scaled by more than a factor of four.
 
     Args:
         images: Shape (view, u, v).

@@ -15,8 +15,8 @@ SAME_ANGLE_DEG = 1e-3
 class Views:
     """Images and angles of one frame (I and Θ of the paper).
 
-    Orthographic cameras turn about the vertical axis: the picture at angle t has ``u = x cos t + z sin t`` to the
-    right and ``v = y`` up.
+    Orthographic cameras turn about the vertical axis: the picture at angle t has
+    ``u = x cos t + z sin t`` to the right and ``v = y`` up.
 
     Attributes:
         images: Light on black, float32, shape (view, u, v), v up and contiguous; Warp arrays are taken too.
@@ -39,7 +39,7 @@ class Views:
         _check_images(images)
         if len(angles_deg) != len(images):
             raise ValueError(
-                f"angles_deg has {len(angles_deg)} angles for {len(images)} images: give one angle a view"
+                f"{len(images)} images came with {len(angles_deg)} angles_deg: give one angle a view"
             )
         problems = angle_problems(angles_deg)
         if problems:
@@ -56,11 +56,11 @@ class Views:
         """Make views of pictures as files hold them, their luminance scaled to 0..255.
 
         Args:
-            pictures: One a view, shape (rows, columns), (rows, columns, 3) or with alpha (rows, columns, 4), which
-                is left out; top row first, any type.
+            pictures: One a view, shape (rows, columns) or (rows, columns, 1, 3 or 4), top row first, of any
+                type; alpha is left out.
             angles_deg: One angle a view.
-            white: Pixel value that becomes 255.  By default 255 for uint8, 65535 for uint16, and the brightest value
-                of all pictures for other types.
+            white: Pixel value that becomes 255.  By default 255 for uint8, 65535 for uint16, and for other
+                types the brightest value of all pictures.
 
         Raises:
             ValueError: If the pictures have other shapes, or unlike ones, or the views are refused.
@@ -70,9 +70,7 @@ class Views:
         shapes = sorted({grey.shape for grey in greys})
         if not greys or len(shapes) > 1:
             found = " and ".join(f"{columns} x {rows}" for rows, columns in shapes) or "none"
-            raise ValueError(
-                f"pictures must be at least one and all of one size, found {found}: crop or resize them"
-            )
+            raise ValueError(f"pictures must be of one size, found {found}: crop or resize them")
         if white is not None:
             _check_white(white)
         brightest = max((float(grey.max()) for grey in greys if grey.size), default=0.0)
@@ -110,8 +108,8 @@ def angle_problems(angles_deg: Sequence[float]) -> list[str]:
                 )
             elif abs(apart - 180.0) < SAME_ANGLE_DEG:
                 problems.append(
-                    f"angles {a:g} and {b:g} are 180 degrees apart: one view is the mirror image of the other and "
-                    "tells nothing new; leave one out"
+                    f"angles {a:g} and {b:g} are 180 degrees apart: one view is the mirror image of "
+                    "the other and tells nothing new; leave one out"
                 )
     return problems
 
@@ -119,16 +117,12 @@ def angle_problems(angles_deg: Sequence[float]) -> list[str]:
 def _check_images(images: np.ndarray) -> None:
     """Refuse images that are not finite light of a workable size."""
     if images.ndim != 3 or len(images) == 0:
-        raise ValueError(
-            f"images must have the shape (view, u, v) with at least one view, found {images.shape}"
-        )
+        raise ValueError(f"images must have the shape (view, u, v), at least one view, not {images.shape}")
     if min(images.shape[1:]) < SMALLEST:
         u, v = images.shape[1:]
         raise ValueError(f"images are {u} x {v} pixels: a view must have at least {SMALLEST} x {SMALLEST}")
     if not np.isfinite(images).all():
-        raise ValueError(
-            "images hold values that are infinite or not numbers: replace them, for example by 0"
-        )
+        raise ValueError("images hold values that are infinite or not numbers: replace them, say by 0")
     if images.min() < 0:
         raise ValueError(f"images hold negative light, down to {images.min():g}: clip them at 0")
 
