@@ -8,7 +8,6 @@ from itertools import pairwise
 import numpy as np
 
 from warpfluid import matting
-from warpfluid import matting
 from warpfluid.options import InputOptions
 from warpfluid.sources import (
     SAMPLED_FRAMES,

@@ -1,0 +1,66 @@
+"""What a reconstruction will cost, before it runs."""
+
+import numpy as np
+
+from warpfluid.options import ReconstructOptions
+
+HULL_WIDTH = 48  # voxels; the hull is a share, so a coarse one tells it
+BULK = 0.1  # share of a row's light outside its bulk, either side
+# Of two CPU cores, at 271 x 144 x 271 voxels and 180 angles
+SECONDS_A_RAY_STEP = 6.3e-11  # one projection or back-projection, by angle and voxel inside the hull
+SECONDS_A_STATISTIC = 8e-8  # one M-step, by angle and pixel
+BYTES_A_VOXEL = 40
+BYTES_A_PIXEL = 24
+FEWEST_ANGLES = 60
+ANGLES_A_PIXEL = 180 / 271
+
+
+def hull_share(images: np.ndarray, angles_deg: tuple[float, ...], options: ReconstructOptions) -> float:
+    """Return the share of the box inside the visual hull of one frame, on a coarse grid.
+
+    Args:
+        images: Shape (view, u, v).
+        angles_deg: One a view.
+        options: Its threshold and hull are used; the round hull where one view has it.
+    """
+    stride = max(1, -(-images.shape[1] // HULL_WIDTH))
+    images = images[:, ::stride, ::stride]
+    across = np.arange(images.shape[1]) - (images.shape[1] - 1) / 2
+    x, z = np.meshgrid(across, across, indexing="ij")
+    hull = np.ones((*x.shape, images.shape[2]), bool)
+    for image, angle_deg in zip(images, angles_deg, strict=True):
+        u = np.cos(np.radians(angle_deg)) * x + np.sin(np.radians(angle_deg)) * z - across[0]
+        inside = (u > -0.5) & (u < len(across) - 0.5)
+        lit = image > options.threshold
+        hull &= inside[..., None] & lit[u.round().astype(int).clip(0, len(across) - 1)]
+    if len(images) == 1 and options.hull != "silhouette":
+        hull &= _round_hull(images[0], np.radians(angles_deg[0]), x, z, options.hull_radius)
+    return float(hull.mean())
+
+
+def estimate_cost(size: tuple[int, int], share: float, options: ReconstructOptions) -> tuple[float, int]:
+    """Return seconds a frame on two CPU cores, and bytes of memory.
+
+    Args:
+        size: Width and height of an image [pixel].
+        share: Share of the box inside the visual hull.
+        options: Iterations, angles and steps.
+    """
+    u, v = size
+    angles = options.angles or max(FEWEST_ANGLES, round(u * ANGLES_A_PIXEL))
+    em = options.iterations if options.method == "appearance-transfer" else 0
+    projections = 2 * options.lsm_steps + em * (2 + 2 * options.cg_steps + 2 * options.balance)
+    seconds = projections * angles * u * u * v * SECONDS_A_RAY_STEP * max(share, 0.1)
+    seconds += em * angles * u * v * SECONDS_A_STATISTIC
+    return seconds, int(u * u * v * BYTES_A_VOXEL + angles * u * v * BYTES_A_PIXEL)
+
+
+def _round_hull(image: np.ndarray, angle: float, x: np.ndarray, z: np.ndarray, radius: float) -> np.ndarray:
+    """Return a circle about the bulk of each row's light, shape (x, z, v)."""
+    share = np.cumsum(image, axis=0) / np.maximum(image.sum(axis=0), 1e-6)
+    left, right = (share < BULK).sum(axis=0), (share < 1 - BULK).sum(axis=0)
+    along = np.cos(angle) * x + np.sin(angle) * z
+    depth = np.cos(angle) * z - np.sin(angle) * x
+    centre = (left + right) / 2 - (len(image) - 1) / 2
+    reach = radius * (right - left) / 2 + 1.5
+    return (along[..., None] - centre) ** 2 + depth[..., None] ** 2 <= reach**2
