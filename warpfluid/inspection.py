@@ -236,8 +236,8 @@ def _pair_line(pair: PairInspection) -> str:
     remedy = pair.remedy
     return (
         f"rows    view {pair.angle_deg:g} against view {pair.reference_deg:g}: {remedy.disagreement:.1%} "
-        f"apart; {remedy.time_offset:+d} frames, {remedy.vertical_shift:+d} pixels, x {remedy.exposure_scale:.3f} "
-        f"would leave {remedy.disagreement_after:.1%}"
+        f"apart; {remedy.time_offset:+d} frames, {remedy.vertical_shift:+d} pixels, "
+        f"x {remedy.exposure_scale:.3f} would leave {remedy.disagreement_after:.1%}"
     )
 
 

@@ -1,0 +1,126 @@
+"""Read the tree of one grid: nodes from the root down, then the values of the leaves."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from warpfluid.files.vdb import layout
+from warpfluid.files.vdb.stream import Packing, Stream
+
+
+@dataclass
+class Tree:
+    """What a grid holds apart from its background.
+
+    Attributes:
+        background: The value everywhere else, shape (components,).
+        leaves: Index of each leaf's first voxel, shape (leaf, 3).
+        active: Each leaf's active voxels, shape (leaf, 512).
+        values: Each leaf's values, shape (leaf, 512, components).
+        tiles: Cubes of one value: index of the first voxel, voxels a side, value, whether active.
+    """
+
+    background: np.ndarray
+    leaves: np.ndarray
+    active: np.ndarray
+    values: np.ndarray
+    tiles: list[tuple[np.ndarray, int, np.ndarray, bool]]
+
+    def box(self) -> np.ndarray | None:
+        """Return the first and the last index of active voxels, shape (2, 3), or None where there is none."""
+        cubes = self.active.reshape(-1, layout.LEAF, layout.LEAF, layout.LEAF)
+        corners = [corner for first, side, _, active in self.tiles if active for corner in (first, first + side - 1)]
+        if cubes.any():
+            spans = []
+            for axis in range(3):
+                others = tuple(1 + other for other in range(3) if other != axis)
+                index = (self.leaves[:, axis, None] + np.arange(layout.LEAF))[cubes.any(others)]
+                spans.append((index.min(), index.max()))
+            corners += list(np.transpose(spans))
+        return np.array([np.min(corners, 0), np.max(corners, 0)]) if corners else None
+
+    def fill(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+        """Return the voxels from index ``low`` to ``high``, float32 of shape (i, j, k, components)."""
+        start = low // layout.LEAF * layout.LEAF
+        blocks = (high - start) // layout.LEAF + 1
+        dense = np.zeros((*(blocks * layout.LEAF), len(self.background)), np.float32)
+        if self.background.any():
+            dense[:] = self.background
+        for first, side, value, _ in self.tiles:
+            begin, end = np.maximum(first - start, 0), np.maximum(first - start + side, 0)
+            dense[tuple(map(slice, begin, end))] = value
+        place = (self.leaves - start) // layout.LEAF
+        inside = ((place >= 0) & (place < blocks)).all(1)
+        x, y, z = blocks
+        cubes = dense.reshape(x, layout.LEAF, y, layout.LEAF, z, layout.LEAF, -1).transpose(0, 2, 4, 1, 3, 5, 6)
+        cubes[tuple(place[inside].T)] = self.values[inside].reshape(-1, *cubes.shape[3:])
+        return dense[tuple(map(slice, low - start, high - start + 1))]
+
+
+def read_tree(stream: Stream, packing: Packing) -> Tree:
+    """Read topology and buffers.
+
+    Args:
+        stream: The file, at the grid's topology.
+        packing: How the grid's values are stored; the background is read here.
+
+    Returns:
+        The tree.
+
+    Raises:
+        ValueError: If the bytes make no tree.
+    """
+    buffers = stream.number("<i")
+    if buffers != 1:
+        raise ValueError(f"the file is damaged or not of this kind: a tree of {buffers} buffers")
+    nodes = _Nodes(stream, replace(packing, background=packing.vector(stream)))
+    nodes.read_root()
+    leaves = np.concatenate([np.zeros((0, 3), np.int64), *nodes.leaves])
+    masks = b"".join(nodes.masks)
+    active = np.unpackbits(np.frombuffer(masks, np.uint8), bitorder="little").view(bool)
+    active = active.reshape(len(leaves), layout.LEAF_VOXELS)
+    values = np.empty((*active.shape, packing.components), np.float32)
+    values[:] = nodes.packing.background
+    for row in range(len(leaves)):
+        if stream.take(64) != masks[64 * row : 64 * row + 64]:
+            raise ValueError(f"the file is damaged: a leaf's two masks differ (byte {stream.position})")
+        nodes.packing.read(stream, active[row], values[row])
+    return Tree(nodes.packing.background, leaves, active, values, nodes.tiles)
+
+
+@dataclass
+class _Nodes:
+    """The topology while it is read."""
+
+    stream: Stream
+    packing: Packing
+    leaves: list = field(default_factory=list)
+    masks: list = field(default_factory=list)
+    tiles: list = field(default_factory=list)
+
+    def read_root(self) -> None:
+        tiles, children = self.stream.unpack("<2I")
+        for _ in range(tiles):
+            first = np.array(self.stream.unpack("<3i"), np.int64)
+            value, active = self.packing.vector(self.stream), bool(self.stream.number("<B"))
+            if active or (value != self.packing.background).any():
+                self.tiles.append((first, layout.UPPER, value, active))
+        for _ in range(children):
+            first = np.array(self.stream.unpack("<3i"), np.int64)
+            if (first % layout.UPPER).any():
+                raise ValueError(f"the file is damaged: a node begins at {first.tolist()}, no multiple of 4096")
+            for lower in self.read_node(first, 32, layout.LOWER):
+                leaves = self.read_node(lower, 16, layout.LEAF)
+                self.leaves.append(leaves)
+                self.masks.append(self.stream.take(64 * len(leaves)))
+
+    def read_node(self, first: np.ndarray, side: int, size: int) -> np.ndarray:
+        """Read a node of side^3 places of size^3 voxels; return the children's first voxels, shape (child, 3)."""
+        child, active = self.stream.mask(side**3), self.stream.mask(side**3)
+        values = np.empty((side**3, self.packing.components), np.float32)
+        values[:] = self.packing.background
+        self.packing.read(self.stream, active, values)
+        places = first + np.argwhere(np.ones((side,) * 3, bool)) * size
+        for tile in np.flatnonzero(~child & (active | (values != self.packing.background).any(1))):
+            self.tiles.append((places[tile], size, values[tile], bool(active[tile])))
+        return places[child]

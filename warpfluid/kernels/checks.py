@@ -1,0 +1,54 @@
+"""What launchers check: Warp itself compares types and dimensions, never shapes or devices."""
+
+import warp as wp
+
+
+def same_device(**arrays: wp.array) -> wp.Device:
+    """Return the device that all arrays are on.
+
+    Raises:
+        ValueError: If something is no Warp array or the devices differ.
+    """
+    for name, array in arrays.items():
+        if not isinstance(array, wp.array):
+            raise ValueError(f"{name} is {type(array).__name__}, expected a Warp array: wrap it with wp.array(...)")
+    devices = {str(array.device) for array in arrays.values()}
+    if len(devices) > 1:
+        found = ", ".join(f"{name} on {array.device}" for name, array in arrays.items())
+        raise ValueError(f"arrays are on different devices: {found}; copy them to one with .to(device)")
+    return next(iter(arrays.values())).device
+
+
+def floats(dimensions: int, **arrays: wp.array) -> None:
+    """Check that arrays are contiguous float32 with a number of dimensions.
+
+    Raises:
+        ValueError: If one is not.
+    """
+    for name, array in arrays.items():
+        if array.dtype is not wp.float32 or array.ndim != dimensions:
+            found = f"{array.ndim}-D {array.dtype.__name__}"
+            raise ValueError(f"{name} is {found}, expected {dimensions}-D float32")
+        if not array.is_contiguous:
+            raise ValueError(f"{name} is not contiguous: pass {name}.contiguous()")
+
+
+def shape(expected: tuple[int, ...], **arrays: wp.array) -> None:
+    """Check that arrays have a shape.
+
+    Raises:
+        ValueError: If one has another.
+    """
+    for name, array in arrays.items():
+        if tuple(array.shape) != tuple(expected):
+            raise ValueError(f"{name} has shape {tuple(array.shape)}, expected {tuple(expected)}")
+
+
+def same_shape(**arrays: wp.array) -> None:
+    """Check that all arrays have the shape of the first.
+
+    Raises:
+        ValueError: If one has another.
+    """
+    (first, *_) = arrays.values()
+    shape(first.shape, **arrays)

@@ -1,0 +1,73 @@
+"""How kernels are launched: one thread handles a run of heights of one column.
+
+All heights of a column share one ray, so a thread works the ray out once and applies it to a contiguous run of
+heights: 48 on the CPU, where the run fills vector registers and a slab of 48 heights stays in the cache, and 4 on
+CUDA, where neighbouring threads then read neighbouring memory. One Warp launch uses one CPU thread but releases the
+interpreter lock, so ranges of rows are launched side by side from Python threads. Nobody above knows about this.
+"""
+
+import functools
+import os
+from concurrent.futures import ThreadPoolExecutor
+
+import warp as wp
+
+CPU_RUN = 48
+CUDA_RUN = 4
+
+# Opens the body of a native function over (block, heights): the run of `count` heights that starts at `y`.
+RUN_OF_HEIGHTS = f"""
+#if defined(__CUDA_ARCH__)
+    enum {{ RUN = {CUDA_RUN} }};
+#else
+    enum {{ RUN = {CPU_RUN} }};
+#endif
+    const int y = block * RUN;
+    const int count = heights - y < RUN ? heights - y : RUN;
+"""
+
+_ROWS_A_JOB = 16
+
+
+def run_count(heights: int, device: wp.Device) -> int:
+    """Return how many runs of heights a column has on a device."""
+    return -(-heights // (CUDA_RUN if device.is_cuda else CPU_RUN))
+
+
+def thread_count() -> int:
+    """Return the number of CPU threads that kernels use: ``WARPFLUID_THREADS``, or all this process may use."""
+    named = os.environ.get("WARPFLUID_THREADS", "")
+    if named.isdigit() and int(named) > 0:
+        return int(named)
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@functools.cache
+def _pool(threads: int) -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(threads, thread_name_prefix="warpfluid")
+
+
+def launch(kernel: wp.Kernel, shape: tuple[int, int, int], inputs: list, outputs: list, device: wp.Device) -> None:
+    """Launch a kernel over (rows, columns, heights), a run of heights a thread.
+
+    Args:
+        kernel: Takes ``first_row`` and ``first_block`` before ``inputs``; its thread index is (row, column, block).
+        shape: Rows, columns and heights of what is written.
+        inputs: Further inputs.
+        outputs: Arrays to write; no two threads may write the same place.
+        device: Where the arrays are.
+    """
+    rows, columns, heights = shape
+    blocks = run_count(heights, device)
+    if device.is_cuda:
+        wp.launch(kernel, dim=(rows, columns, blocks), inputs=[0, 0, *inputs], outputs=outputs, device=device)
+        return
+    kernel.module.load(device)  # two threads that meet an unloaded module would both compile it
+
+    def work(job):
+        block, row = job
+        dim = (min(_ROWS_A_JOB, rows - row), columns, 1)
+        wp.launch(kernel, dim=dim, inputs=[row, block, *inputs], outputs=outputs, device=device)
+
+    jobs = [(block, row) for block in range(blocks) for row in range(0, rows, _ROWS_A_JOB)]
+    list(_pool(thread_count()).map(work, jobs))

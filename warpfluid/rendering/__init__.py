@@ -1,0 +1,1 @@
+"""From volumes to pictures: colour ramps, turntables, slices."""
