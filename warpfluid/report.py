@@ -72,6 +72,7 @@ class ReportData:
         check_table: Its numbers, rows of the same columns.
         frames: Some frames, about six at most for a page that opens quickly.
         metrics: Means over all frames, as in a frame.
+        yardsticks: Names in the metrics that are no methods, such as a true view from nearby.
         turntable: Film of the result, uint8, shape (picture, rows, columns, 3).
         rate: Its pictures a second.
         options: Every option of the run.
@@ -88,6 +89,7 @@ class ReportData:
     check_table: Sequence[Mapping[str, object]] = ()
     frames: Sequence[FrameReport] = ()
     metrics: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    yardsticks: Sequence[str] = ()
     turntable: np.ndarray | None = None
     rate: float = 24.0
     options: Mapping[str, object] = field(default_factory=dict)
@@ -120,8 +122,8 @@ def html_report(report: ReportData) -> str:
     body = [
         "".join(f'<p class="warning">{escape(line)}</p>' for line in report.warnings),
         _inputs(report),
-        *(_frame(frame, angles) for frame in report.frames),
-        section("Quality, mean over the frames", _metrics(report.metrics)),
+        *(_frame(frame, angles, report.yardsticks) for frame in report.frames),
+        section("Quality, mean over the frames", _metrics(report.metrics, report.yardsticks)),
         section("Options", _options(report.options, report.defaults)),
         section("Time and versions", side_by_side(_timings(report.timings), _versions(report.versions))),
     ]
@@ -144,13 +146,11 @@ def _inputs(report: ReportData) -> str:
     turning = ""
     if report.turntable is not None:
         turning = film(report.turntable, report.rate, "turntable of the result")
-        turning = (
-            f'<figure class="turn fit">{turning}<figcaption>The result, all around</figcaption></figure>'
-        )
+        turning = f'<figure class="turn">{turning}<figcaption>The result, all around</figcaption></figure>'
     return section("Inputs", side_by_side(f"<div>{left}</div>" if left else "", turning))
 
 
-def _frame(frame: FrameReport, input_angles: set[float]) -> str:
+def _frame(frame: FrameReport, input_angles: set[float], yardsticks: Sequence[str]) -> str:
     """Return a frame: stills, slices, numbers, energy."""
     parts = [_stills(frame, input_angles)]
     slices = "".join(
@@ -164,8 +164,8 @@ def _frame(frame: FrameReport, input_angles: set[float]) -> str:
         parts.append(f'{title}<div class="side">{slices}</div>{bar}')
     curve = "" if frame.energies is None else energy_chart(frame.energies)
     curve = f"<div><h3>Energy</h3>{curve}</div>" if curve else ""
-    numbers = _metrics(frame.metrics)
-    parts.append(side_by_side(f"<div><h3>Quality</h3>{numbers}</div>" if numbers else "", curve))
+    numbers = _metrics(frame.metrics, yardsticks)
+    parts.append(side_by_side(f'<div class="wide"><h3>Quality</h3>{numbers}</div>' if numbers else "", curve))
     seconds = "" if frame.seconds is None else f' <span class="soft">{frame.seconds:.1f} s</span>'
     return f'<h2>Frame {frame.number}{seconds}</h2><div class="card">{"".join(parts)}</div>'
 
@@ -192,30 +192,29 @@ def _stills(frame: FrameReport, input_angles: set[float]) -> str:
     return f'<div class="scroll"><div class="stills" style="{columns}">{"".join(cells)}</div></div>'
 
 
-def _metrics(methods: Mapping[str, Mapping[str, float]]) -> str:
-    """Return the table of metrics against methods, the best independent number of a row in bold."""
+def _metrics(methods: Mapping[str, Mapping[str, float]], yardsticks: Sequence[str]) -> str:
+    """Return the table of metrics against methods, the best number of a row marked."""
     rows = []
     for metric in METRICS.values():
         values = {name: numbers[metric.name] for name, numbers in methods.items() if metric.name in numbers}
         if not values:
             continue
         badness = {"low": lambda v: v, "high": lambda v: -v, "one": lambda v: abs(v - 1)}[metric.best]
-        best = min(values, key=lambda name: badness(values[name])) if len(values) > 1 else None
-        best = None if metric.group == "tuned" else best
+        rivals = [name for name in values if name not in yardsticks and metric.group != "tuned"]
+        best = min(rivals, key=lambda name: badness(values[name])) if len(rivals) > 1 else None
         cells = "".join(
             f'<td class="number{" best" if name == best else ""}">{cell(values.get(name))}</td>'
             for name in methods
         )
-        meaning = f'<span class="soft">{escape(metric.meaning)}</span>'
         mark = "*" if metric.group == "tuned" else ""
         rows.append(
-            f"<tr><td>{escape(metric.label)}{mark} {meaning}</td>"
+            f"<tr><td>{escape(metric.label)}{mark} <small>{escape(metric.meaning)}</small></td>"
             f'<td class="aim">{AIMS[metric.best]}</td>{cells}</tr>'
         )
     if not rows:
         return ""
     heads = "".join(f'<th class="number">{escape(name)}</th>' for name in methods)
-    note = '<p class="soft">* matched by the method itself, so nothing to rank by</p>'
+    note = '<p class="note">* matched by the method itself, so nothing to rank by</p>'
     return f'<div class="scroll"><table><tr><th></th><th></th>{heads}</tr>{"".join(rows)}</table></div>{note}'
 
 

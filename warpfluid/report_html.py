@@ -9,7 +9,7 @@ import numpy as np
 
 from warpfluid.rendering.ramps import apply_ramp
 
-WIDTH, HEIGHT = 560, 230  # of the energy curve, inside its margins
+WIDTH, HEIGHT = 440, 250  # of the energy curve, inside its margins
 LEFT, TOP, RIGHT, BOTTOM = 64, 26, 16, 38
 
 
