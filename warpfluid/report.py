@@ -122,8 +122,8 @@ def html_report(report: ReportData) -> str:
     body = [
         "".join(f'<p class="warning">{escape(line)}</p>' for line in report.warnings),
         _inputs(report),
-        *(_frame(frame, angles, report.yardsticks) for frame in report.frames),
         section("Quality, mean over the frames", _metrics(report.metrics, report.yardsticks)),
+        *(_frame(frame, angles, report.yardsticks) for frame in report.frames),
         section("Options", _options(report.options, report.defaults)),
         section("Time and versions", side_by_side(_timings(report.timings), _versions(report.versions))),
     ]

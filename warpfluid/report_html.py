@@ -4,6 +4,7 @@ import base64
 import io
 from collections.abc import Mapping, Sequence
 from html import escape
+from numbers import Integral, Real
 
 import numpy as np
 
@@ -51,7 +52,7 @@ def table(rows: Sequence[Mapping[str, object]]) -> str:
     if not rows:
         return ""
     names = list(rows[0])
-    numeric = {name: all(isinstance(row.get(name), int | float) for row in rows) for name in names}
+    numeric = {name: all(isinstance(row.get(name), Real | None) for row in rows) for name in names}
     kind = {name: ' class="number"' if numeric[name] else "" for name in names}
     head = "".join(f"<th{kind[name]}>{escape(name)}</th>" for name in names)
     lines = "".join(
@@ -65,7 +66,7 @@ def cell(value: object) -> str:
     """Return a value as people write it: three digits of a number, a dash for none."""
     if value is None:
         return "–"
-    if isinstance(value, float):
+    if isinstance(value, Real) and not isinstance(value, Integral):
         size = abs(value)
         digits = 3 if size < 9.9995 else 1 if size < 9999.5 else 0
         return f"{value:.{digits}f}".replace("-", "−") if np.isfinite(value) else "–"

@@ -59,8 +59,8 @@ def apply_ramp(images: np.ndarray, name: str, white: float = 255.0) -> np.ndarra
     if not white > 0:
         raise ValueError(f"white is {white}; a positive grey value is needed")
     table = _table(name)
-    place = np.nan_to_num(np.asarray(images, np.float32)) * np.float32((len(table) - 1) / white)
-    return table[np.rint(np.clip(place, 0, len(table) - 1)).astype(np.intp)]
+    grey = np.clip(np.nan_to_num(np.asarray(images, np.float32)), 0, np.float32(white))
+    return table[np.rint(grey * np.float32((len(table) - 1) / white)).astype(np.intp)]
 
 
 @cache

@@ -1,0 +1,218 @@
+"""The report: sound HTML, all in one file, nothing from strangers executed, every picture whole."""
+
+import base64
+import io
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from PIL import Image
+
+from warpfluid import report_html
+from warpfluid.report import FrameReport, InputReport, ReportData, html_report, write_report
+
+VOID = {"meta", "img", "br", "hr"}
+EVIL = """<script>alert("1")</script>' onerror="x" & $body"""
+
+
+class Page(HTMLParser):
+    """The tags of a page, checked to be balanced."""
+
+    def __init__(self, text):
+        super().__init__(convert_charrefs=True)
+        self.open, self.tags, self.words = [], [], []
+        self.feed(text)
+        self.close()
+        assert not self.open, f"never closed: {self.open}"
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+
+    def handle_endtag(self, tag):
+        assert self.open, f"</{tag}> closes nothing"
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+    def images(self):
+        """The decoded pictures of the page, by their alternative text."""
+        pictures = {}
+        for tag, attrs in self.tags:
+            if tag == "img":
+                kind, data = re.fullmatch(r"data:image/(\w+);base64,([\w+/=]+)", attrs["src"]).groups()
+                with Image.open(io.BytesIO(base64.b64decode(data))) as picture:
+                    assert picture.format.lower() == kind
+                    frames = []
+                    for i in range(getattr(picture, "n_frames", 1)):
+                        picture.seek(i)
+                        frames.append(np.array(picture))
+                pictures[attrs["alt"]] = frames
+        return pictures
+
+
+def pictures(*shape, seed=0):
+    return np.random.default_rng(seed).integers(0, 256, shape).astype(np.uint8)
+
+
+def full_report(name="fire"):
+    """A report that has everything, with one name in all places that come from outside."""
+    numbers = {"patch_swd": 0.21, "band_w1": 0.5, "psnr": 30.0, "gradient_ratio": 0.6, "unknown": 1.0}
+    better = {"patch_swd": 0.04, "band_w1": 0.1, "psnr": 68.0, "gradient_ratio": 1.1}
+    frame = FrameReport(
+        number=1008,
+        angles_deg=[0, 45, 90],
+        stills={"LSM": pictures(3, 6, 5, 3), name: pictures(3, 6, 5, 3, seed=1)},
+        slices={name: pictures(5, 11, 3)},
+        slices_white=2.0,
+        energies=np.array([[4e6, 2e6], [3e6, 1e6]]),
+        metrics={"LSM": numbers, name: better, "nearby": {"patch_swd": 0.01}},
+        seconds=3.21,
+    )
+    return ReportData(
+        title=name,
+        subtitle=name,
+        inputs=[InputReport(name=name, angle_deg=90, picture=pictures(6, 5))],
+        warnings=[name],
+        check=[name],
+        check_table=[{"view": name, "shift": -0.5}, {"view": "side", "shift": None}],
+        frames=[frame],
+        metrics={name: better},
+        yardsticks=["nearby"],
+        turntable=pictures(4, 6, 5, 3),
+        options={"blur": 0.4, name: name, "angles": 180},
+        defaults={"blur": 0.4, name: "x", "angles": None},
+        versions={name: name},
+        timings={name: 2.0, "rest": 0.5},
+    )
+
+
+@pytest.mark.parametrize("report", [full_report(), ReportData(title="nothing")], ids=["full", "empty"])
+def test_pages_are_sound_and_need_nothing(tmp_path, report):
+    """Tags balance, there is no script, and nothing is fetched."""
+    write_report(tmp_path / "report.html", report)
+    text = (tmp_path / "report.html").read_text("utf-8")
+    page = Page(text)
+    assert not re.search(r"https?://|url\(|@import|//cdn", text)
+    tags = {tag for tag, _ in page.tags}
+    assert not tags & {"script", "link", "iframe", "object"}
+    assert all(attrs["src"].startswith("data:") for tag, attrs in page.tags if "src" in attrs)
+    assert [path.name for path in tmp_path.iterdir()] == ["report.html"]
+
+
+def test_names_are_only_text():
+    """Names that look like HTML or like placeholders show as they are, and make no tag or attribute."""
+    evil, tame = Page(html_report(full_report(EVIL))), Page(html_report(full_report("tame")))
+    assert [(tag, set(attrs)) for tag, attrs in evil.tags] == [(tag, set(attrs)) for tag, attrs in tame.tags]
+    assert sum(EVIL in words for words in evil.words) == sum("tame" in words for words in tame.words) > 10
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.text(max_size=30))
+def test_any_name_keeps_the_page_sound(name):
+    """No text unbalances the page."""
+    Page(html_report(full_report(name or "x")))
+
+
+def test_pictures_are_whole():
+    """Every picture decodes to the pixels that went in, and the film has all its pictures."""
+    report = full_report()
+    shown = Page(html_report(report)).images()
+    frame = report.frames[0]
+    np.testing.assert_array_equal(shown["input at 90°"][0], report.inputs[0].picture)
+    for name, stills in frame.stills.items():
+        for angle, still in zip(frame.angles_deg, stills, strict=True):
+            np.testing.assert_array_equal(shown[f"{name} at {angle}°"][0], still)
+    np.testing.assert_array_equal(shown["horizontal slices, fire"][0], frame.slices["fire"])
+    assert len(shown["turntable of the result"]) == 4
+    assert len(shown) == 1 + 6 + 1 + 1
+
+
+def test_the_best_method_is_marked_but_not_by_what_is_tuned():
+    """Independent numbers mark a winner; tuned ones, yardsticks and unknown ones do not."""
+    text = html_report(full_report())
+    rows = {
+        row.split("<small>")[0].split(">")[-1].strip(): re.findall(r'class="number( best)?">([^<]+)', row)
+        for row in text.split("<h3>Quality</h3>")[1].split("</table>")[0].split("<tr>")[2:]
+    }
+    assert rows["Patch SWD"] == [("", "0.210"), (" best", "0.040"), ("", "0.010")]
+    assert rows["Sub-band W1*"] == [("", "0.500"), ("", "0.100"), ("", "–")]
+    assert rows["Gradient ratio"] == [("", "0.600"), (" best", "1.100"), ("", "–")]
+    assert rows["PSNR [dB]"] == [("", "30.0"), (" best", "68.0"), ("", "–")]
+    assert len(rows) == 4
+
+
+def test_changed_options_come_first():
+    """What differs from its default is marked, the rest is folded away."""
+    top, rest = html_report(full_report()).split("<h2>Options</h2>")[1].split("<details>")
+    assert re.findall(r'class="changed"><td>([^<]+)', top) == ["fire", "angles"]
+    assert "default None" in top
+    assert re.findall(r'class="plain"><td>([^<]+)', rest) == ["blur"]
+
+
+def test_input_angles_are_marked_and_the_total_is_added_up():
+    """Stills at an input's angle say so, and the stages add up."""
+    text = html_report(full_report())
+    assert re.findall(r'class="angle">([^/]+)</', text) == ["0°", "45°", "90° <b>input"]
+    assert "<b>2.5 s</b>" in text
+
+
+@given(
+    st.lists(st.tuples(*[st.floats(1e-12, 1e18)] * 2), min_size=1, max_size=12).map(np.array),
+)
+def test_energy_is_drawn_to_scale(energies):
+    """Points stand in order, higher for more energy, in proportion to its logarithm, inside the frame."""
+    svg = report_html.energy_chart(energies)
+    Page(svg)
+    found = re.findall(r'<circle class="(\w)" cx="([\d.]+)" cy="([\d.]+)" r="4"><title>', svg)
+    assert [step for step, _, _ in found] == ["m", "e"] * len(energies)
+    x, y = np.array([[float(a), float(b)] for _, a, b in found]).T
+    assert (np.diff(x) > 0).all()
+    top, bottom = report_html.TOP, report_html.TOP + report_html.HEIGHT
+    assert y.min() >= top - 0.1
+    assert y.max() <= bottom + 0.1
+    lines = np.array(re.findall(r'y1="([\d.]+)"', svg), float)
+    decades = np.log10(report_html._log_ticks(energies.min(), energies.max()))
+    slope = (lines[-1] - lines[0]) / (decades[-1] - decades[0])
+    wanted = lines[0] + slope * (np.log10(energies.ravel()) - decades[0])
+    np.testing.assert_allclose(y, wanted, atol=0.2)
+
+
+def test_energies_that_have_no_logarithm_are_left_out():
+    """Zeros and broken values leave gaps; with nothing left there is no chart."""
+    svg = report_html.energy_chart(np.array([[4.0, 0.0], [np.nan, 1.0]]))
+    assert svg.count("<title>") == 2
+    assert report_html.energy_chart(np.zeros((3, 2))) == ""
+    with pytest.raises(ValueError, match=r"\(4,\); \(iteration, 2\)"):
+        report_html.energy_chart(np.ones(4))
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        *[(None, "–"), (np.nan, "–"), (7, "7"), ("<b>", "&lt;b&gt;"), (np.float32(0.5), "0.500")],
+        *[(0.12345, "0.123"), (-3.0, "−3.000"), (68.82, "68.8"), (12345.6, "12346")],
+    ],
+)
+def test_numbers_are_short(value, text):
+    """Three digits where it matters, a dash for what is missing."""
+    assert report_html.cell(value) == text
+
+
+def test_wrong_pictures_are_refused(tmp_path):
+    """Float pictures and missing stills are named, and no half page is left."""
+    floats = ReportData(title="x", inputs=[InputReport(name="x", angle_deg=0, picture=np.ones((3, 3)))])
+    with pytest.raises(ValueError, match="'input at 0°' is float64"):
+        write_report(tmp_path / "report.html", floats)
+    short = FrameReport(number=7, angles_deg=[0, 90], stills={"LSM": pictures(1, 4, 4)})
+    with pytest.raises(ValueError, match="frame 7: LSM has 1 stills for 2 angles"):
+        write_report(tmp_path / "report.html", ReportData(title="x", frames=[short]))
+    assert not list(tmp_path.iterdir())
