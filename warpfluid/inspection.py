@@ -10,11 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from warpfluid.estimate import estimate_cost, hull_share
+from warpfluid.files.sequences import format_frames
 from warpfluid.matting import LIT
 from warpfluid.options import ReconstructOptions
 from warpfluid.row_sums import Remedy, compare_row_sums
 from warpfluid.shot import Shot
-from warpfluid.sources import Source, spell_frames, spread
+from warpfluid.sources import Source, spread
 from warpfluid.views import Views
 
 INSPECTED_FRAMES = 64  # row sums are compared over these, from the middle of the shot
@@ -106,7 +107,7 @@ def inspect_shot(shot: Shot, options: ReconstructOptions | None = None) -> Inspe
     return Inspection(
         views=views,
         pairs=pairs,
-        frames=spell_frames(shot.frames),
+        frames=format_frames(shot.frames),
         frame_count=len(shot.frames),
         volume_size=(shot.size[0], shot.size[1], shot.size[0]),
         hull_share=share,
@@ -156,7 +157,7 @@ def _inspect_view(source: Source, images: np.ndarray) -> ViewInspection:
         footage_size=tuple(source.footage.size),
         size=source.matting.size,
         depth=source.footage.depth,
-        frames=spell_frames(source.frames),
+        frames=format_frames(source.frames),
         darkest=float(images.min()),
         brightest=float(images.max()),
         saturated=float((images >= 254.5).mean()),

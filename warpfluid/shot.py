@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from warpfluid import matting
+from warpfluid.files.sequences import format_frames, parse_frames
 from warpfluid.options import InputOptions
 from warpfluid.sources import (
     SAMPLED_FRAMES,
@@ -18,7 +19,6 @@ from warpfluid.sources import (
     is_integer,
     parse_view,
     prepare,
-    spell_frames,
     spread,
 )
 from warpfluid.views import Views, angle_problems
@@ -66,7 +66,7 @@ class Shot:
             ValueError: If the shot has no such frame.
         """
         if frame not in self.frames:
-            raise ValueError(f"frame {frame} is not one of the shot's frames, {spell_frames(self.frames)}")
+            raise ValueError(f"frame {frame} is not one of the shot's frames, {format_frames(self.frames)}")
         images = np.stack([source.image(frame) for source in self.sources])
         if self.equalize_rows if equalize_rows is None else equalize_rows:
             images = matting.equalize_rows(images)
@@ -136,8 +136,6 @@ def open_shot(views: Sequence[str | tuple[float, str]], options: InputOptions | 
 
 def _check_options(options: InputOptions, problems: Problems) -> list[int] | None:
     """Return the frames asked for; note what is wrong with any option."""
-    from warpfluid.files.sequences import parse_frames
-
     asked = problems.attempt(parse_frames, options.frames) if options.frames else None
     if options.crop:
         problems.attempt(matting.parse_crop, options.crop)
@@ -191,7 +189,7 @@ def _common_frames(
     first = max(source.frames[0] for source in sources)
     last = min(source.frames[-1] for source in sources)
     if first > last and not asked:
-        spans = ", ".join(f"{source.name} has {spell_frames(source.frames)}" for source in sources)
+        spans = ", ".join(f"{source.name} has {format_frames(source.frames)}" for source in sources)
         problems.append(f"the views have no frame in common ({spans}): number their files alike")
         return ()
     wanted = sorted(set(asked)) if asked else _expected_frames(sources, first, last)
@@ -199,11 +197,11 @@ def _common_frames(
         missing = sorted(set(wanted) - set(source.frames))
         if missing:
             way_out = "" if asked else ": mend the sequence or leave them out with --frames"
-            have = f" (it has {spell_frames(source.frames)})" if asked else ""
-            problems.append(f"{source.name} lacks frame {spell_frames(missing)}{have}{way_out}")
+            have = f" (it has {format_frames(source.frames)})" if asked else ""
+            problems.append(f"{source.name} lacks frame {format_frames(missing)}{have}{way_out}")
         elif not asked and (source.frames[0], source.frames[-1]) != (first, last):
-            span = f"{spell_frames(source.frames)}, the others less"
-            notes.append(f"{source.name} has frames {span}: {spell_frames(wanted)} are used")
+            span = f"{format_frames(source.frames)}, the others less"
+            notes.append(f"{source.name} has frames {span}: {format_frames(wanted)} are used")
     return tuple(wanted)
 
 

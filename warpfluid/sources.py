@@ -159,18 +159,6 @@ def check_light(source: Source, frames: Sequence[int]) -> None:
         )
 
 
-def spell_frames(frames: Sequence[int]) -> str:
-    """Return frame numbers in words, runs shortened, as in ``1-5, 8``; of many runs the first few."""
-    runs: list[list[int]] = []
-    for frame in sorted(frames):
-        if runs and frame == runs[-1][1] + 1:
-            runs[-1][1] = frame
-        else:
-            runs.append([frame, frame])
-    words = [f"{first}" if first == last else f"{first}-{last}" for first, last in runs]
-    return ", ".join(words[:8]) + (f" and {len(words) - 8} more" if len(words) > 8 else "")
-
-
 def spread(frames: Sequence[int], count: int) -> list[int]:
     """Return at most ``count`` of the frames, evenly spread, the first and last among them."""
     places = np.unique(np.linspace(0, len(frames) - 1, min(count, len(frames))).round().astype(int))

@@ -1,7 +1,7 @@
 """A picture of the views standing around the box, drawn without OpenGL.
 
-Each view's picture hangs behind the box, as its camera throws it there; the camera is marked on the ring around.
-The glow inside the box is the geometric mean of what the views see of each point.
+Each view's picture hangs behind the box, as its camera throws it there; the camera is marked on the ring. The
+glow inside the box is the geometric mean of what the views see of each point.
 """
 
 import numpy as np
