@@ -1,0 +1,55 @@
+"""Multiplicative balancing: make a volume agree with measured views exactly.
+
+One view after the other, every voxel is multiplied by the mean over its rays of measured / rendered (iterative
+proportional fitting). Density stays non-negative and dark places stay dark, and a few sweeps make the input views
+exact, which neither a clip after conjugate gradients nor a large weight on the inputs can.
+"""
+
+import numpy as np
+import warp as wp
+
+from warpfluid.kernels import vectors
+from warpfluid.projector import Projector
+
+FLOOR = 1e-3  # grey level under which a rendered pixel counts as dark
+CAP = 4.0  # largest correction of one sweep
+
+
+class Balancing:
+    """The measured views that a volume is balanced against.
+
+    Args:
+        images: Measured images, shape (view, u, v).
+        angles_deg: Their angles [degree].
+        hull: Visual hull, shape (x, z, y).
+        footprint: Footprint of a voxel.
+    """
+
+    def __init__(self, images: np.ndarray, angles_deg: tuple[float, ...], hull: wp.array, footprint: str):
+        self._views = [Projector([a], hull.shape, hull=hull, footprint=footprint) for a in angles_deg]
+        self._images = [wp.array(i[None], dtype=float, device=hull.device) for i in np.ascontiguousarray(images)]
+        self._seen = [view.backproject(_ones(view.image_shape, hull.device)) for view in self._views]
+        self._factor = wp.empty(hull.shape, dtype=float, device=hull.device)
+
+    def apply(self, volume: wp.array, sweeps: int, *, power: float = 1.0) -> wp.array:
+        """Balance a volume in place.
+
+        Args:
+            volume: Non-negative, zero outside the hull, shape (x, z, y).
+            sweeps: How often each view is visited.
+            power: Exponent of the correction, 0 to 1; lower is milder where measured views disagree.
+
+        Returns:
+            The volume.
+        """
+        for _ in range(sweeps):
+            for view, image, seen in zip(self._views, self._images, self._seen, strict=True):
+                rendered = view.project(volume)
+                vectors.ratio(image, rendered, floor=FLOOR, cap=CAP, power=power, out=rendered)
+                view.backproject(rendered, out=self._factor)
+                vectors.apply_mean(volume, self._factor, seen)
+        return volume
+
+
+def _ones(shape: tuple[int, ...], device: wp.Device) -> wp.array:
+    return wp.full(shape, 1.0, dtype=float, device=device)

@@ -1,0 +1,311 @@
+"""The EM-like iteration: volumes that look like the inputs from every side (Section 3, Fig. 3).
+
+Starting from least squares on the inputs alone (Eq. 3), the M-step renders the volume at a fan of angles and
+transfers the appearance of the inputs to the pictures, and the E-step fits the volume to the pictures. The energy
+(Eq. 1), the squared difference between rendered and modified pictures, is recorded after each half-step.
+"""
+
+import functools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import warp as wp
+
+from warpfluid.kernels import vectors
+from warpfluid.kernels.blur import blur
+from warpfluid.options import ReconstructOptions
+from warpfluid.projector import Projector
+from warpfluid.reconstruction.appearance import AppearanceTransfer
+from warpfluid.reconstruction.balance import Balancing
+from warpfluid.reconstruction.inputs import Inputs, apply_shoulder, make_inputs
+from warpfluid.reconstruction.lsm import LeastSquares, initial_volume
+from warpfluid.views import Views
+
+START_SWEEPS = 5
+FEWEST_ANGLES = 180
+ANGLES_A_VOXEL = 0.25
+
+Progress = Callable[[int, float], None]
+
+
+@dataclass(frozen=True)
+class Reconstruction:
+    """A volume and how it came about.
+
+    Attributes:
+        volume: Density, shape (x, z, y); its ray sums are pixel values of linear light.
+        initial: The volume of least squares alone (Eq. 3), for comparison.
+        energies: Eq. 1 after each half-step: M, E, M, E and so on.
+        angles_deg: Angles of the measured views.
+        hull_share: Part of the box that the visual hull fills.
+    """
+
+    volume: np.ndarray
+    initial: np.ndarray
+    energies: tuple[float, ...]
+    angles_deg: tuple[float, ...]
+    hull_share: float
+
+    def render(self, angles_deg) -> np.ndarray:
+        """Render the volume at some angles; ray sums, shape (angle, u, v)."""
+        return Projector(angles_deg, self.volume.shape, device="cpu").project(self.volume)
+
+    @property
+    def density(self) -> np.ndarray:
+        """The volume in the order that files have, (x, y, z)."""
+        return self.volume.transpose(0, 2, 1)
+
+    def __repr__(self) -> str:
+        x, z, y = self.volume.shape
+        falls = f"{self.energies[0]:.3g} -> {self.energies[-1]:.3g}" if self.energies else "none"
+        return f"Reconstruction({x} x {y} x {z} voxels, hull {self.hull_share:.0%}, energy {falls})"
+
+
+def reconstruct(
+    views: Views,
+    options: ReconstructOptions | None = None,
+    *,
+    start: np.ndarray | None = None,
+    progress: Progress | None = None,
+    device: str | wp.Device | None = None,
+) -> Reconstruction:
+    """Model the volume of one frame from its views.
+
+    Args:
+        views: One or more views of the frame.
+        options: Choices of the method.
+        start: Volume to start from instead of least squares, shape (x, z, y), ray sums in pixel values.
+        progress: Called after each iteration with its number and the energy.
+        device: Where to compute; Warp's default when omitted.
+
+    Returns:
+        The volume, the initial volume, the energies.
+
+    Raises:
+        ValueError: If the start's shape differs or no pixel is lit.
+    """
+    options = options or ReconstructOptions()
+    device = wp.get_device(device)
+    inputs = make_inputs(views, options, device)
+    if not (inputs.images > inputs.threshold).any():
+        return _empty(views)
+    pixel = views.white / 255
+    scene = Scene(inputs, options, device)
+    initial = scene.least_squares()
+    energies: tuple[float, ...] = ()
+    volume = initial
+    if options.method == "appearance-transfer":
+        volume = scene.start(initial) if start is None else scene.given_start(start / pixel)
+        energies = scene.iterate(volume, progress)
+    volume = volume.numpy()
+    if len(views.angles_deg) == 1 and options.side == "measured":
+        volume = _symmetric(volume, views.angles_deg[0])
+    return Reconstruction(
+        volume=volume * np.float32(pixel),
+        initial=initial.numpy() * np.float32(pixel),
+        energies=energies,
+        angles_deg=views.angles_deg,
+        hull_share=float(inputs.hull.numpy().mean()),
+    )
+
+
+class Scene:
+    """One frame during reconstruction: its inputs, projectors and memory."""
+
+    def __init__(self, inputs: Inputs, options: ReconstructOptions, device: wp.Device):
+        self.inputs, self.options, self.device = inputs, options, device
+        measured = slice(0, inputs.measured)
+        self.measured_images = inputs.images[measured]
+        self.measured_angles = inputs.angles_deg[measured]
+
+    def least_squares(self) -> wp.array:
+        """Return the initial volume (Eq. 3)."""
+        inputs, options = self.inputs, self.options
+        seen = inputs.images if inputs.side is None else self.measured_images
+        projector = self._projector(inputs.angles_deg[: len(seen)])
+        images = wp.array(seen, dtype=float, device=self.device)
+        return initial_volume(projector, images, steps=options.lsm_steps, non_negative=options.non_negative)
+
+    def start(self, initial: wp.array) -> wp.array:
+        """Return the volume that the iteration starts from: the initial one, roughened and balanced."""
+        inputs, options = self.inputs, self.options
+        looks, angles = self.inputs.images, inputs.angles_deg
+        if inputs.side is None:
+            volume = wp.clone(initial)
+        else:
+            looks = np.stack([inputs.images[0], inputs.side])
+            volume = self._product(looks)
+        if options.start_noise > 0:
+            grain_y = options.noise_grain if options.noise_grain_y is None else options.noise_grain_y
+            noise = _noise(tuple(volume.shape), options.seed, options.noise_grain, grain_y)
+            factor = wp.array(np.exp(np.float32(options.start_noise) * noise), dtype=float, device=self.device)
+            vectors.multiply(volume, factor, out=volume)
+            Balancing(looks, angles, inputs.hull, options.footprint).apply(volume, START_SWEEPS)
+        return volume
+
+    def given_start(self, volume: np.ndarray) -> wp.array:
+        """Return a volume given from outside, inside the hull and balanced against the measured views."""
+        if volume.shape != tuple(self.inputs.hull.shape):
+            expected = tuple(self.inputs.hull.shape)
+            raise ValueError(f"start has shape {volume.shape}, expected {expected}: (x, z, y) of these views")
+        volume = wp.array(np.maximum(volume, 0), dtype=float, device=self.device)
+        vectors.multiply(volume, self.inputs.hull, out=volume)
+        measured = Balancing(self.measured_images, self.measured_angles, self.inputs.hull, self.options.footprint)
+        return measured.apply(volume, START_SWEEPS)
+
+    def iterate(self, volume: wp.array, progress: Progress | None = None) -> tuple[float, ...]:
+        """Alternate M-step and E-step, changing the volume in place; return the energies."""
+        self._prepare()
+        energies = []
+        rendered = self._fan.project(volume)
+        for iteration in range(self.options.iterations):
+            made = self._m_step(rendered)
+            residual = wp.array(made, dtype=float, device=self.device)
+            vectors.add_scaled(residual, -1.0, rendered, out=residual)
+            energies.append(vectors.dot(residual, residual))
+            self._e_step(volume, residual, made, iteration)
+            self._fan.project(volume, out=rendered)
+            targets = wp.array(made, dtype=float, device=self.device)
+            vectors.add_scaled(targets, -1.0, rendered, out=residual)
+            energies.append(vectors.dot(residual, residual))
+            if progress:
+                progress(iteration + 1, energies[-1])
+        return tuple(energies)
+
+    def _prepare(self) -> None:
+        inputs, options = self.inputs, self.options
+        width, height = inputs.images.shape[1:]
+        count = options.angles or default_angles(width)
+        fan_deg, self._at = fan_angles(count, self.measured_angles)
+        self._fan = self._projector(fan_deg)
+        self._mask = self._fan.project(inputs.hull).numpy() > 0
+        self._transfer = AppearanceTransfer(
+            inputs.images, inputs.angles_deg, fan_deg, height=options.scales, interpolation=options.interpolation
+        )
+        weights = np.ones(len(fan_deg))
+        weights[self._at] = options.input_weight
+        self._solver = LeastSquares(self._fan, weights=weights, ramp=options.preconditioner == "ramp")
+        self._balancing = Balancing(self.measured_images, self.measured_angles, inputs.hull, options.footprint)
+        self._scratch, self._share, self._cover, self._seen = (
+            wp.zeros(self._fan.shape, dtype=float, device=self.device) for _ in range(4)
+        )
+        if options.fade > 0:
+            ones = wp.full(self._fan.image_shape, 1.0, dtype=float, device=self.device)
+            self._fan.backproject(ones, out=self._seen)
+            blur(inputs.hull, options.fade_blur, scratch=self._scratch, out=self._cover)
+
+    def _m_step(self, rendered: wp.array) -> np.ndarray:
+        """Modify the rendered views so that they look like the inputs, and put the inputs in."""
+        made = self._transfer.transfer(rendered.numpy(), self._mask)
+        if self.options.row_sums:
+            total = made.sum(axis=1, keepdims=True)
+            made *= np.where(total > 1e-3, self.inputs.row_sums / np.maximum(total, 1e-3), 1).astype(np.float32)
+        made[self._at] = self.measured_images
+        return made
+
+    def _e_step(self, volume: wp.array, residual: wp.array, made: np.ndarray, iteration: int) -> None:
+        """Fit the volume to the modified views, in place."""
+        options, hull = self.options, self.inputs.hull
+        self._solver.improve(volume, residual, options.cg_steps)
+        if options.non_negative:
+            vectors.clip(volume)
+        if options.blur > 0:
+            blur(volume, options.blur, scratch=self._scratch, out=volume)
+            vectors.multiply(volume, hull, out=volume)
+        if options.fade > 0 and iteration > 0:  # the first M-step still sees the start's silhouette
+            self._fade(volume, made)
+        if options.slice_rescale:
+            self._rescale_slices(volume)
+        self._balancing.apply(volume, options.balance, power=options.balance_power)
+
+    def _fade(self, volume: wp.array, made: np.ndarray) -> None:
+        """Fade voxels that most views show as black: the corners of the hull and the outlines they leave."""
+        black = made <= self.inputs.black
+        black[self._at] = self.measured_images <= self.inputs.threshold
+        share = self._share
+        self._fan.backproject(wp.array(black, dtype=float, device=self.device), out=share)
+        vectors.share(share, self._seen, out=share)
+        blur(share, self.options.fade_blur, scratch=self._scratch, out=share)
+        vectors.fade(volume, share, self._cover, limit=self.options.fade)
+
+    def _rescale_slices(self, volume: wp.array) -> None:
+        """Give every horizontal slice the light of its row in the inputs."""
+        total = volume.numpy().sum(axis=(0, 1), dtype=np.float64)
+        factor = np.where(total > 1e-6, self.inputs.row_sums / np.maximum(total, 1e-6), 0).astype(np.float32)
+        scale = wp.array(np.broadcast_to(factor, volume.shape), dtype=float, device=self.device)
+        vectors.multiply(volume, scale, out=volume)
+
+    def _product(self, looks: np.ndarray) -> wp.array:
+        """Multiply front and side: a start without the cross that their sum has."""
+        images = [wp.array(look[None], dtype=float, device=self.device) for look in looks]
+        pair = zip(self.inputs.angles_deg, images, strict=True)
+        front, side = (self._projector([angle]).backproject(image) for angle, image in pair)
+        rows = np.maximum(self.inputs.row_sums, 1).astype(np.float32)
+        scale = wp.array(np.broadcast_to(1 / rows, front.shape), dtype=float, device=self.device)
+        vectors.multiply(front, side, out=front)
+        return vectors.multiply(front, scale, out=front)
+
+    def _projector(self, angles_deg) -> Projector:
+        return Projector(angles_deg, self.inputs.hull.shape, hull=self.inputs.hull, footprint=self.options.footprint)
+
+
+def default_angles(width: int) -> int:
+    """Return how many views appearance is transferred to: 180, and more for volumes wider than 720 voxels."""
+    return max(FEWEST_ANGLES, math.ceil(ANGLES_A_VOXEL * width))
+
+
+def fan_angles(count: int, measured_deg: tuple[float, ...]) -> tuple[tuple[float, ...], list[int]]:
+    """Spread angles over half a turn so that the measured ones are among them.
+
+    Args:
+        count: Number of angles.
+        measured_deg: Measured angles in [0, 180).
+
+    Returns:
+        The angles, ascending, and where the measured ones are. The nearest angle moves onto a measured one; where
+        measured angles are closer than the spacing, angles are added.
+    """
+    fan = list(np.arange(count) * 180.0 / count)
+    taken: dict[int, float] = {}
+    for angle in measured_deg:
+        distance = [math.inf if i in taken else abs((a - angle + 90) % 180 - 90) for i, a in enumerate(fan)]
+        nearest = int(np.argmin(distance))
+        if distance[nearest] <= 90.0 / count + 1e-9:
+            taken[nearest] = fan[nearest] = angle
+        else:
+            taken[len(fan)] = angle
+            fan.append(angle)
+    ordered = sorted(fan)
+    return tuple(float(a) for a in ordered), [ordered.index(angle) for angle in measured_deg]
+
+
+@functools.lru_cache(maxsize=1)
+def _noise(shape: tuple[int, int, int], seed: int, grain: float, grain_y: float) -> np.ndarray:
+    """Smooth Gaussian noise of unit deviation; the frames of a sequence share one, or they would flicker."""
+    white = np.random.default_rng(seed).standard_normal(shape, dtype=np.float64).astype(np.float32)
+    smooth = blur(wp.array(white, dtype=float, device="cpu"), (grain, grain, grain_y)).numpy()
+    return smooth / max(float(smooth.std()), 1e-12)
+
+
+def _symmetric(volume: np.ndarray, angle_deg: float) -> np.ndarray:
+    """Make a volume from one view given twice exactly symmetric: rounding alone made it differ."""
+    if angle_deg % 90:
+        return volume
+    mirrored = volume.transpose(1, 0, 2)
+    if angle_deg % 180:
+        mirrored = mirrored[::-1, ::-1]
+    return np.float32(0.5) * (volume + mirrored)
+
+
+def _empty(views: Views) -> Reconstruction:
+    """Return the empty volume of a frame in which nothing is lit."""
+    _, width, height = views.images.shape
+    nothing = np.zeros((width, width, height), np.float32)
+    return Reconstruction(nothing, nothing, (), views.angles_deg, 0.0)
+
+
+def encode_like_footage(images: np.ndarray, options: ReconstructOptions) -> np.ndarray:
+    """Return rendered ray sums as the footage shows them: with the tone curve that the run took off."""
+    return apply_shoulder(images, options.shoulder)

@@ -1,0 +1,155 @@
+"""What the EM iteration is given: measured views, how unseen ones should look, the visual hull, a start.
+
+A single view, the commonest case, needs a stand-in for the side. In the paper the front is copied to the side as a
+measurement, which makes the volume symmetric. Here the front alone is measured: the mirrored front says how the side
+looks, and the hull is a circle a height about the bulk of the light, so that depth does not follow every wisp.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import warp as wp
+from scipy.ndimage import gaussian_filter1d
+
+from warpfluid.kernels.visual_hull import silhouette_hull
+from warpfluid.options import ReconstructOptions
+from warpfluid.projector import directions
+from warpfluid.views import Views
+
+BULK_CUT = 0.1  # share of a row's light left out at either end when its bulk is measured
+HULL_SMOOTHING = 8.0  # smoothing of the circles over heights [voxel]
+HULL_MARGIN = 1.5  # [voxel]
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """Views in grey levels of linear light, angles within [0, 180), and the hull they span.
+
+    Attributes:
+        images: How the volume looks, measured views first, shape (view, u, v).
+        angles_deg: Their angles.
+        measured: How many of them are measurements.
+        hull: 1 inside and 0 outside, shape (x, z, y).
+        side: A side view laid over the round hull, which only the start sees; None for several views.
+        threshold: Grey level of the silhouette.
+        black: Grey level up to which a made pixel is black.
+    """
+
+    images: np.ndarray
+    angles_deg: tuple[float, ...]
+    measured: int
+    hull: wp.array
+    side: np.ndarray | None
+    threshold: float
+    black: float
+
+    @property
+    def row_sums(self) -> np.ndarray:
+        """Light of every height, the same in all views of an emissive volume, shape (v,)."""
+        return self.images[: self.measured].sum(axis=1).mean(axis=0)
+
+
+def make_inputs(views: Views, options: ReconstructOptions, device: wp.Device) -> Inputs:
+    """Prepare views for reconstruction: scale, tone curve, angles, stand-in for a missing side, hull."""
+    scale = np.float32(255 / views.white)
+    images = undo_shoulder(views.images * scale, options.shoulder)
+    threshold = float(undo_shoulder(np.float64(options.threshold), options.shoulder))
+    black = float(undo_shoulder(np.float64(1.0), options.shoulder))
+    images, angles = _within_half_turn(images, views.angles_deg)
+    measured, side, half_depth = len(angles), None, None
+    if len(angles) == 1:
+        front, angle = images[0], angles[0]
+        look = front if options.side != "mirror" else front[::-1]
+        if options.side == "measured":
+            measured = 2
+        if options.hull != "silhouette":
+            centre, radius = _circles(front, options.hull_radius)
+            half_depth = _half_depth(front, threshold, centre, radius)
+            if options.side != "measured":
+                side = _laid_over(look, len(front) - 1 - centre if options.side == "mirror" else centre)
+                side *= _ratio(front.sum(0), side.sum(0))
+        stand_in, at = _within_half_turn(np.stack([look, look if side is None else side]), (angle + 90,) * 2)
+        images, angles = np.stack([front, stand_in[0]]), (angle, at[0])
+        side = None if side is None else stand_in[1]
+    seen = images if side is None else images[:1]
+    hull = _hull(seen, angles[: len(seen)], threshold, half_depth, device)
+    return Inputs(np.ascontiguousarray(images, np.float32), angles, measured, hull, side, threshold, black)
+
+
+def undo_shoulder(grey: np.ndarray, strength: float) -> np.ndarray:
+    """Take a film-like tone curve off footage; black and 255 stay.
+
+    The curve is I = 255 (1 - exp(-k L / 255)) / (1 - exp(-k)) of linear light L, k being the strength.
+    """
+    return -255 / strength * np.log1p(np.expm1(-strength) * grey / 255) if strength else grey
+
+
+def apply_shoulder(light: np.ndarray, strength: float) -> np.ndarray:
+    """Put the tone curve that ``undo_shoulder`` takes off on linear light again."""
+    return 255 * np.expm1(-strength * light / 255) / np.expm1(-strength) if strength else light
+
+
+def _within_half_turn(images: np.ndarray, angles_deg: tuple[float, ...]) -> tuple[np.ndarray, tuple[float, ...]]:
+    """Bring angles into [0, 180); an odd number of half turns mirrors a view."""
+    turns = np.floor(np.asarray(angles_deg, np.float64) / 180).astype(int)
+    images = np.stack([image[::-1] if turn % 2 else image for image, turn in zip(images, turns, strict=True)])
+    return images, tuple(float(a - 180 * turn) for a, turn in zip(angles_deg, turns, strict=True))
+
+
+def _hull(images, angles_deg, threshold, half_depth, device) -> wp.array:
+    lit = wp.array((images > threshold).astype(np.uint8), dtype=wp.uint8, device=device)
+    hull = silhouette_hull(lit, directions(np.asarray(angles_deg), device))
+    if half_depth is None:
+        return hull
+    n = len(half_depth)
+    x, z = np.meshgrid(np.arange(n) - (n - 1) / 2, np.arange(n) - (n - 1) / 2, indexing="ij")
+    angle = np.deg2rad(angles_deg[0])
+    across = np.clip(np.rint(x * np.cos(angle) + z * np.sin(angle) + (n - 1) / 2).astype(int), 0, n - 1)
+    depth = np.abs(z * np.cos(angle) - x * np.sin(angle))
+    inside = depth[..., None] <= half_depth[across] + 1e-6
+    return wp.array(hull.numpy() * inside, dtype=float, device=device)
+
+
+def _circles(front: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
+    """Centre and radius of a circle a height about the bulk of its light, smoothed over heights [voxel]."""
+    total = front.sum(0)
+    part = np.cumsum(front, axis=0) / np.maximum(total, 1e-6)
+    left, right = (part < BULK_CUT).sum(0), (part < 1 - BULK_CUT).sum(0)
+    weight = (total > 1e-3) + 1e-6
+
+    def smooth(values):
+        return gaussian_filter1d(values * weight, HULL_SMOOTHING) / gaussian_filter1d(weight, HULL_SMOOTHING)
+
+    half = np.maximum(smooth((right - left) / 2 + 0.5), 1)
+    return smooth((left + right) / 2), half * reach + HULL_MARGIN
+
+
+def _half_depth(front: np.ndarray, threshold: float, centre: np.ndarray, radius: np.ndarray) -> np.ndarray:
+    """How deep the hull reaches at each pixel, before and behind the middle, shape (u, v) [voxel].
+
+    A lit run of pixels outside the circle, such as a spark, gets a disc of its own.
+    """
+    u = np.arange(len(front))
+    half = np.sqrt(np.maximum(radius**2 - (u[:, None] - centre) ** 2, 0))
+    for y in range(front.shape[1]):
+        edges = np.flatnonzero(np.diff(np.pad((front[:, y] > threshold).astype(np.int8), 1)))
+        for a, b in zip(edges[::2], edges[1::2], strict=True):
+            if a > centre[y] - radius[y] and b - 1 < centre[y] + radius[y]:
+                continue
+            flat = min(1, radius[y] / ((b - a) / 2))
+            own = ((b - a) / 2 * flat + 1) ** 2 - ((u[a:b] - (a + b - 1) / 2) * flat) ** 2
+            half[a:b, y] = np.maximum(half[a:b, y], np.sqrt(np.maximum(own, 1)))
+    return half
+
+
+def _laid_over(picture: np.ndarray, centre: np.ndarray) -> np.ndarray:
+    """Shift every row of a side view so that its bulk lies in the middle, where the circles are."""
+    n = len(picture)
+    at = np.arange(n) - (n - 1) / 2
+    rows = [np.interp(centre[y] + at, np.arange(n), row, left=0, right=0) for y, row in enumerate(picture.T)]
+    return np.stack(rows, axis=1).astype(np.float32)
+
+
+def _ratio(wanted: np.ndarray, found: np.ndarray) -> np.ndarray:
+    return np.where(found > 1e-3, wanted / np.maximum(found, 1e-3), 0).astype(np.float32)
+
