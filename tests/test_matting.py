@@ -82,15 +82,6 @@ def test_background_crop_and_turn():
     assert image.sum() == pytest.approx(0.5 * 255, rel=1e-4)
 
 
-def test_pixels_that_are_no_numbers_count_as_black():
-    """A renderer's broken pixel spoils neither its neighbours nor the sum."""
-    picture = np.ones((8, 8, 3), np.float32)
-    picture[0, 0], picture[1, 1], picture[2, 2] = np.nan, np.inf, -1
-    image = Matting(size=(8, 8)).image(picture)
-    assert np.isfinite(image).all()
-    assert image.sum() == pytest.approx(61 * 255)
-
-
 def test_rows_become_equal():
     """Views get the mean of their row sums; a dark row stays dark and the others keep their own mean."""
     images = np.random.default_rng(0).random((3, 9, 8)).astype(np.float32) * 100 + 50

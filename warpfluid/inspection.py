@@ -20,6 +20,7 @@ from warpfluid.views import Views
 
 INSPECTED_FRAMES = 64  # row sums are compared over these, from the middle of the shot
 LOOKED_AT_FRAMES = 8  # of these, for all that needs the pictures
+HARDLY = 0.35  # disagreement that only different scenes have, or backgrounds
 WORTH = 0.1  # share of the disagreement that a remedy must take away to be advised
 
 
@@ -114,7 +115,7 @@ def inspect_shot(shot: Shot, options: ReconstructOptions | None = None) -> Inspe
         seconds_a_frame=seconds,
         memory_bytes=memory,
         notes=shot.notes,
-        hints=tuple(_hints(views, pairs, share, options)),
+        hints=tuple(_hints(views, pairs, share, options, shot.equalize_rows)),
     )
 
 
@@ -168,7 +169,7 @@ def _inspect_view(source: Source, images: np.ndarray) -> ViewInspection:
     )
 
 
-def _hints(views, pairs, share: float, options: ReconstructOptions) -> list[str]:
+def _hints(views, pairs, share: float, options: ReconstructOptions, equalize_rows: bool) -> list[str]:
     """Return what the user could do about what was found."""
     hints = []
     for view in views:
@@ -191,7 +192,7 @@ def _hints(views, pairs, share: float, options: ReconstructOptions) -> list[str]
                 "take a wider picture, or the background off"
             )
     for pair in pairs:
-        hints += _pair_hints(pair)
+        hints += _pair_hints(pair, equalize_rows)
     if share > 0.6:
         hints.append(
             f"the visual hull fills {share:.0%} of the box: mostly background is lit; try --black-level or "
@@ -200,10 +201,15 @@ def _hints(views, pairs, share: float, options: ReconstructOptions) -> list[str]
     return hints
 
 
-def _pair_hints(pair: PairInspection) -> list[str]:
-    """Return the remedy in words, where it takes away enough."""
+def _pair_hints(pair: PairInspection, equalize_rows: bool) -> list[str]:
+    """Return the remedy in words, where it takes away enough and the reconstruction does not do it anyway."""
     remedy, name = pair.remedy, f"view {pair.angle_deg:g}"
     gained = remedy.disagreement - remedy.disagreement_after
+    if remedy.disagreement_after > HARDLY:
+        return [
+            f"{name}: its rows disagree with view {pair.reference_deg:g} by {remedy.disagreement:.0%}, "
+            "and no shift mends it: see whether both show the same moment, cropped alike, with the background off"
+        ]
     if gained < WORTH * remedy.disagreement or remedy.disagreement < 0.02:
         return []
     steps = []
@@ -213,7 +219,7 @@ def _pair_hints(pair: PairInspection) -> list[str]:
     if remedy.vertical_shift:
         where = "up" if remedy.vertical_shift > 0 else "down"
         steps.append(f"move it {where} by {abs(remedy.vertical_shift)} pixels")
-    if abs(remedy.exposure_scale - 1) > 0.02:
+    if abs(remedy.exposure_scale - 1) > 0.02 and (steps or not equalize_rows):
         steps.append(f"multiply its light by {remedy.exposure_scale:.2f}")
     if not steps:
         return []

@@ -37,14 +37,10 @@ class Matting:
     largest_component: bool = False
 
     def light(self, picture: np.ndarray) -> np.ndarray:
-        """Return what the fluid adds to the background, shape (rows, columns), never negative.
-
-        Pixels that are not finite, as renderers leave them now and then, count as black.
-        """
+        """Return what the fluid adds to the background, shape (rows, columns), never negative."""
         if self.crop is not None:
             width, height, left, top = self.crop
             picture = picture[top : top + height, left : left + width]
-        picture = np.where(np.isfinite(picture), picture, np.float32(0))
         light = luminance(undo_tone_curve(picture, self.decode))
         if self.background is not None:
             light = light - self.background

@@ -204,7 +204,7 @@ def _draw_view(pen, scene: _Scene, angle_deg: float, colour: tuple[int, int, int
     pen.line([tuple(p) for p in [*corners, corners[0]]], fill=(*colour, 210), width=SHARPER + 1)
     right, towards = _directions(angle_deg)
     spot = scene.ring(angle_deg)
-    camera = scene(np.array([spot - 0.1 * towards, spot + 0.06 * right, spot - 0.06 * right]))
+    camera = scene(np.array([spot - 0.16 * towards, spot + 0.05 * right, spot - 0.05 * right]))
     pen.polygon([tuple(p) for p in camera], fill=(*colour, 255))
     middle = np.array([0, -scene.tall / 2, 0])
     for start in np.arange(0.08, 0.94, 0.06):  # a dashed line of sight, on the ground
