@@ -208,7 +208,7 @@ def _pair_hints(pair: PairInspection, equalize_rows: bool) -> list[str]:
     if remedy.disagreement_after > HARDLY:
         return [
             f"{name}: its rows disagree with view {pair.reference_deg:g} by {remedy.disagreement:.0%}, "
-            "and no shift mends it: see whether both show the same moment, cropped alike, with the background off"
+            "and no shift mends it: see whether both show one moment, cropped alike, the background off"
         ]
     if gained < WORTH * remedy.disagreement or remedy.disagreement < 0.02:
         return []
