@@ -9,6 +9,7 @@ from typing import TypeVar
 import numpy as np
 import warp as wp
 
+from warpfluid.device import pick_device
 from warpfluid.kernels import checks, projection, visual_hull
 
 Array = TypeVar("Array", np.ndarray, wp.array)
@@ -23,7 +24,7 @@ class Projector:
         hull: 1 inside and 0 outside, shape (x, z, y). Back-projection is masked by it, and rays visit only the
             rows of the volume that it occupies, so a projected volume must be zero outside.
         footprint: ``box`` gives every voxel the same total in every view, ``joseph`` interpolates along rows.
-        device: Where to compute; the hull's device or Warp's default when omitted.
+        device: Where to compute; the hull's device, or else the first GPU there is.
 
     Raises:
         ValueError: If shapes, angles or the footprint make no sense.
@@ -50,7 +51,7 @@ class Projector:
         self.footprint = footprint
         if device is None and isinstance(hull, wp.array):
             device = hull.device
-        self.device = wp.get_device(device)
+        self.device = pick_device(device)
         self.hull = self._on_device(np.ones(self.shape, np.float32) if hull is None else hull, "hull", self.shape)
         self._directions = directions(angles, self.device)
         self._weights = wp.full(angles.size, 1.0, dtype=float, device=self.device)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import warp as wp
 
+from warpfluid.device import pick_device
 from warpfluid.kernels import vectors
 from warpfluid.kernels.blur import blur
 from warpfluid.options import ReconstructOptions
@@ -37,14 +38,14 @@ class Reconstruction:
     Attributes:
         volume: Density, shape (x, z, y); its ray sums are pixel values of linear light.
         initial: The volume of least squares alone (Eq. 3), for comparison.
-        energies: Eq. 1 after each half-step: M, E, M, E and so on.
+        energies: Eq. 1 after the M-step and after the E-step of every iteration, shape (iteration, 2).
         angles_deg: Angles of the measured views.
         hull_share: Part of the box that the visual hull fills.
     """
 
     volume: np.ndarray
     initial: np.ndarray
-    energies: tuple[float, ...]
+    energies: np.ndarray
     angles_deg: tuple[float, ...]
     hull_share: float
 
@@ -59,7 +60,7 @@ class Reconstruction:
 
     def __repr__(self) -> str:
         x, z, y = self.volume.shape
-        falls = f"{self.energies[0]:.3g} -> {self.energies[-1]:.3g}" if self.energies else "none"
+        falls = f"{self.energies[0, 0]:.3g} -> {self.energies[-1, -1]:.3g}" if len(self.energies) else "none"
         return f"Reconstruction({x} x {y} x {z} voxels, hull {self.hull_share:.0%}, energy {falls})"
 
 
@@ -87,14 +88,14 @@ def reconstruct(
         ValueError: If the start's shape differs or no pixel is lit.
     """
     options = options or ReconstructOptions()
-    device = wp.get_device(device)
+    device = pick_device(device)
     inputs = make_inputs(views, options, device)
     if not (inputs.images > inputs.threshold).any():
         return _empty(views)
     pixel = views.white / 255
     scene = Scene(inputs, options, device)
     initial = scene.least_squares()
-    energies: tuple[float, ...] = ()
+    energies = np.zeros((0, 2))
     volume = initial
     if options.method == "appearance-transfer":
         volume = scene.start(initial) if start is None else scene.given_start(start / pixel)
@@ -155,24 +156,24 @@ class Scene:
         measured = Balancing(self.measured_images, self.measured_angles, self.inputs.hull, self.options.footprint)
         return measured.apply(volume, START_SWEEPS)
 
-    def iterate(self, volume: wp.array, progress: Progress | None = None) -> tuple[float, ...]:
-        """Alternate M-step and E-step, changing the volume in place; return the energies."""
+    def iterate(self, volume: wp.array, progress: Progress | None = None) -> np.ndarray:
+        """Alternate M-step and E-step, changing the volume in place; return the energies, shape (iteration, 2)."""
         self._prepare()
-        energies = []
+        energies = np.zeros((self.options.iterations, 2))
         rendered = self._fan.project(volume)
         for iteration in range(self.options.iterations):
             made = self._m_step(rendered)
             residual = wp.array(made, dtype=float, device=self.device)
             vectors.add_scaled(residual, -1.0, rendered, out=residual)
-            energies.append(vectors.dot(residual, residual))
+            energies[iteration, 0] = vectors.dot(residual, residual)
             self._e_step(volume, residual, made, iteration)
             self._fan.project(volume, out=rendered)
             targets = wp.array(made, dtype=float, device=self.device)
             vectors.add_scaled(targets, -1.0, rendered, out=residual)
-            energies.append(vectors.dot(residual, residual))
+            energies[iteration, 1] = vectors.dot(residual, residual)
             if progress:
-                progress(iteration + 1, energies[-1])
-        return tuple(energies)
+                progress(iteration + 1, energies[iteration, 1])
+        return energies
 
     def _prepare(self) -> None:
         inputs, options = self.inputs, self.options
@@ -303,7 +304,7 @@ def _empty(views: Views) -> Reconstruction:
     """Return the empty volume of a frame in which nothing is lit."""
     _, width, height = views.images.shape
     nothing = np.zeros((width, width, height), np.float32)
-    return Reconstruction(nothing, nothing, (), views.angles_deg, 0.0)
+    return Reconstruction(nothing, nothing, np.zeros((0, 2)), views.angles_deg, 0.0)
 
 
 def encode_like_footage(images: np.ndarray, options: ReconstructOptions) -> np.ndarray:

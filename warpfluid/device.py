@@ -1,0 +1,60 @@
+"""Starting Warp and choosing where to compute."""
+
+import contextlib
+import functools
+import os
+import sys
+import tempfile
+from collections.abc import Iterator
+
+import warp as wp
+
+
+def pick_device(name: str | wp.Device | None = None) -> wp.Device:
+    """Return a device, starting Warp without noise.
+
+    Args:
+        name: ``cpu``, ``cuda:N``, or ``auto`` for the first GPU and the CPU where there is none; the default is auto.
+
+    Raises:
+        ValueError: If there is no such device.
+    """
+    start_warp()
+    if name is None or name == "auto":
+        return wp.get_device("cuda:0" if wp.is_cuda_available() else "cpu")
+    try:
+        return wp.get_device(name)
+    except ValueError as error:
+        there_are = ", ".join(str(device) for device in wp.get_devices())
+        raise ValueError(f"there is no device {name!r}: this machine has {there_are}; use --device auto") from error
+
+
+@functools.cache
+def start_warp() -> None:
+    """Start Warp once, without its banner and without a warning where there is no GPU."""
+    wp.config.log_level = wp.LOG_WARNING  # the banner would go to stdout, in the middle of --json
+    with _without_driver_warning():
+        wp.init()
+    with contextlib.suppress(OSError):
+        os.makedirs(wp.config.kernel_cache_dir, exist_ok=True)
+    if not os.access(wp.config.kernel_cache_dir, os.W_OK):
+        wp.config.kernel_cache_dir = tempfile.mkdtemp(prefix="warpfluid-kernels-")
+
+
+@contextlib.contextmanager
+def _without_driver_warning() -> Iterator[None]:
+    """Hold back one line: the native library prints it where there is no NVIDIA driver, and no setting stops it."""
+    sys.stderr.flush()
+    kept = os.dup(2)
+    with tempfile.TemporaryFile() as caught:
+        os.dup2(caught.fileno(), 2)
+        try:
+            yield
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
+            caught.seek(0)
+            lines = caught.read().decode(errors="replace").splitlines()
+            for line in lines:
+                if "NVIDIA CUDA driver" not in line:
+                    print(line, file=sys.stderr)
