@@ -11,8 +11,8 @@ from typing import BinaryIO
 def replacing(path: str | Path) -> Iterator[BinaryIO]:
     """Open a file that takes the place of ``path`` once it is whole.
 
-    It is written under a temporary name in the same folder and then renamed, so that a run that is stopped, or a
-    full disk, never leaves half a frame under a good name.
+    It is written under a temporary name in the same folder and then renamed, so that a run that is stopped,
+    or a full disk, never leaves half a frame under a good name.
 
     Args:
         path: The file to write or to replace; its folder must exist.
@@ -30,6 +30,6 @@ def replacing(path: str | Path) -> Iterator[BinaryIO]:
             yield file
         os.replace(temporary, path)
     except OSError as error:
-        raise OSError(error.errno, f"cannot write the file: {error.strerror}", str(path)) from error
+        raise OSError(error.errno, f"cannot write the file: {error.strerror or error}", str(path)) from error
     finally:
         temporary.unlink(missing_ok=True)

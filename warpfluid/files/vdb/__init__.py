@@ -1,12 +1,13 @@
 """OpenVDB files (``.vdb``): the format in which volumes travel to Blender, Houdini and Maya.
 
-A grid is a tree. The root holds cubes of 4096 voxels a side, each of them 32^3 cubes of 128, each of those 16^3
-leaves of 8 voxels; only leaves that hold something are stored. In the file a grid is its name and type, metadata, the
-transform from voxels to the world, the *topology* (which cubes there are, from the root down) and the *buffers* (the
-values of every leaf, in the same order). Of a leaf only the *active* voxels are stored, packed with zlib.
+A grid is a tree. The root holds cubes of 4096 voxels a side, each of them 32^3 cubes of 128, each of those
+16^3 leaves of 8 voxels; only leaves that hold something are stored. In the file a grid is its name and type,
+metadata, the transform from voxels to the world, the *topology* (which cubes there are, from the root down)
+and the *buffers* (the values of every leaf, in the same order). Of a leaf only the *active* voxels are
+stored, packed with zlib.
 
-No package for the usual Python versions writes such files, so this one is our own: ``layout`` is what writing and
-reading share, ``writer`` writes, ``stream``, ``tree`` and ``reader`` read.
+No package for the usual Python versions writes such files, so this one is our own: ``layout`` is what writing
+and reading share, ``leaves`` and ``writer`` write, ``stream``, ``tree`` and ``reader`` read.
 """
 
 from warpfluid.files.vdb.reader import VdbFile, read_vdb

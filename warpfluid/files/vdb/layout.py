@@ -28,7 +28,9 @@ METADATA = {
 }
 
 CREATOR = "warpfluid"
-SHAPE_KEY = "warpfluid_shape"  # of the array as it was given: outer voxels that are empty leave no other trace
+SHAPE_KEY = (
+    "warpfluid_shape"  # of the array as it was given: empty voxels on its outside leave no other trace
+)
 UP_KEY = "warpfluid_up"
 
 ID = slice(21, 57)  # where the file's id stands
@@ -37,8 +39,8 @@ ID = slice(21, 57)  # where the file's id stands
 def content_id(file: bytes | bytearray) -> bytes:
     """Return the id of a file: a hash of all its bytes but the id itself.
 
-    Equal volumes make equal files, and a reader can tell whether a file is whole. OpenVDB draws ids at random and
-    never marks them, as this one is, as version 5 (made from content).
+    Equal volumes make equal files, and a reader can tell whether a file is whole. OpenVDB draws its ids at
+    random and so never marks them as version 5 (made from content), as this one is.
     """
     digest = hashlib.blake2b(file[: ID.start], digest_size=16)
     digest.update(memoryview(file)[ID.stop :])
@@ -83,7 +85,7 @@ def from_file_axes(array: np.ndarray, up: str) -> np.ndarray:
 
 
 def index_box(shape: tuple[int, ...], up: str) -> np.ndarray:
-    """Return the first and the last voxel index, shape (2, 3), of an array of ``shape`` (x, y, z) in the file."""
+    """Return the first and the last index in the file, shape (2, 3), of an array of ``shape`` (x, y, z)."""
     x, y, z = (int(side) for side in shape)
     if up == "y":
         return np.array([[0, 0, 0], [x - 1, y - 1, z - 1]])

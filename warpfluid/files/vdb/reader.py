@@ -11,7 +11,7 @@ from warpfluid.files.vdb import layout
 from warpfluid.files.vdb.stream import Packing, Stream
 from warpfluid.files.vdb.tree import Tree, read_tree
 
-# Two voxels may lie a world apart, or seem to where a byte was flipped: a box that is mostly empty has a limit.
+# Two voxels may lie a world apart, or seem to where a byte was flipped: a nearly empty box has a limit.
 EMPTY_VOXELS = 2**27
 BOX_PER_ACTIVE = 1000
 
@@ -62,9 +62,10 @@ class _Grid:
 def read_vdb(path: str | Path, names: Collection[str] | None = None) -> VdbFile:
     """Read the float and vector grids of an OpenVDB file as arrays.
 
-    A file of ``write_vdb`` gives back the arrays that were written, in their axes whatever the file's up axis, with
-    0 where a voxel was dropped. Files of other programs are read as they are, cut to the box of all active voxels;
-    they may be packed with zip, not at all, or, where the Python package ``blosc`` is installed, with Blosc.
+    A file of ``write_vdb`` gives back the arrays that were written, in their axes whatever the file's up
+    axis, with 0 where a voxel was dropped. Files of other programs are read as they are, cut to the box of
+    all active voxels; they may be packed with zip, not at all, or, where the Python package ``blosc`` is
+    installed, with Blosc.
 
     Args:
         path: The file.
@@ -77,11 +78,14 @@ def read_vdb(path: str | Path, names: Collection[str] | None = None) -> VdbFile:
         ValueError: If this is no such file, or it is damaged, or a grid is of a kind that is not read.
         OSError: If the file cannot be read.
     """
+    names = [names] if isinstance(names, str) else names
     data = Path(path).read_bytes()
     try:
         return _read(Stream(data), names)
-    except (ValueError, MemoryError) as error:
-        raise ValueError(f"{path}: {error or 'its volume does not fit into memory'}") from error
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
+    except MemoryError as error:
+        raise ValueError(f"{path}: its volumes do not fit into memory; choose with names=[...]") from error
 
 
 def _read(stream: Stream, names: Collection[str] | None) -> VdbFile:
@@ -100,7 +104,8 @@ def _read(stream: Stream, names: Collection[str] | None) -> VdbFile:
             grids[name] = grid
     missing = sorted(set(names or ()) - set(grids))
     if missing or not grids:
-        raise ValueError(f"no grid {', '.join(missing) or 'at all'}; the file has {', '.join(found) or 'none'}")
+        wanted = f"no grid {', '.join(missing)}" if missing else "no grid"
+        raise ValueError(f"the file has {wanted}; it has {', '.join(found) or 'none'}")
     return _on_one_lattice(grids, metadata, trusted=own)
 
 
@@ -111,7 +116,7 @@ def _read_header(stream: Stream) -> tuple[bool, bytes]:
     _, version, _, _, has_offsets = stream.unpack("<qIIIB")
     if version not in layout.READABLE_VERSIONS:
         readable = f"{layout.READABLE_VERSIONS[0]} to {layout.READABLE_VERSIONS[-1]}"
-        raise ValueError(f"the file's format is {version}, not {readable}; save it again with another OpenVDB")
+        raise ValueError(f"its format is {version}, not {readable}; save it again with another OpenVDB")
     return bool(has_offsets), stream.take(layout.ID.stop - layout.ID.start)
 
 
@@ -125,7 +130,7 @@ def _read_grid(stream: Stream, name: str, has_offsets: bool, wanted: bool) -> _G
     components = layout.TREES.get(kind.removesuffix(layout.HALF_SUFFIX))
     if components is None or parent:
         what = "a copy of another grid" if parent else f"of type {kind!r}"
-        raise ValueError(f"grid {name!r} is {what}; only float and vec3s trees are read, choose some with names=[...]")
+        raise ValueError(f"grid {name!r} is {what}, not a float or vec3s tree; leave it out with names=[...]")
     packing = Packing(stream.number("<I"), kind.endswith(layout.HALF_SUFFIX), components)
     facts = stream.metadata()
     voxel_size, shift = _read_transform(stream, name)
@@ -137,20 +142,18 @@ def _read_transform(stream: Stream, name: str) -> tuple[float, tuple[float, ...]
     """Read the map to the world; return the voxel size and where the voxel of index (0, 0, 0) lies."""
     kind, shift = stream.text(), (0.0, 0.0, 0.0)
     if kind == "TranslationMap":
-        return 1.0, stream.unpack("<3d")
-    if kind in ("AffineMap", "UnitaryMap"):
+        scale, shift, straight = np.ones(3), stream.unpack("<3d"), True
+    elif kind in ("AffineMap", "UnitaryMap"):
         matrix = np.array(stream.unpack("<16d")).reshape(4, 4)
         scale, shift = np.diag(matrix)[:3], tuple(matrix[3, :3].tolist())
-        straight = not (matrix[:3] - np.diag(np.diag(matrix))[:3]).any()
+        straight = not matrix[:3][~np.eye(3, 4, dtype=bool)].any()
     else:
         straight = kind in ("UniformScaleMap", "ScaleMap", "UniformScaleTranslateMap", "ScaleTranslateMap")
         if straight and kind.endswith("TranslateMap"):
             shift = stream.unpack("<3d")
         scale = np.array(stream.unpack("<15d")[:3]) if straight else None
-    if not straight or not (np.isfinite(scale).all() and scale[0] > 0 and (scale == scale[0]).all()):
-        raise ValueError(
-            f"grid {name!r} is turned, or its voxels are no cubes ({kind}); resample it to cubes along the axes"
-        )
+    if not (straight and np.isfinite([*scale, *shift]).all() and scale[0] > 0 and (scale == scale[0]).all()):
+        raise ValueError(f"grid {name!r} is turned or has no cubes for voxels ({kind}); resample it")
     return float(scale[0]), shift
 
 
@@ -158,17 +161,19 @@ def _on_one_lattice(grids: dict[str, _Grid], metadata: dict, trusted: bool) -> V
     """Fill arrays that hold all grids."""
     lattices = {grid.lattice for grid in grids.values()}
     if len(lattices) > 1:
-        raise ValueError(f"the grids {', '.join(grids)} differ in voxel size or place; read one with names=[...]")
+        raise ValueError(
+            f"the grids {', '.join(grids)} differ in voxel size or place; choose with names=[...]"
+        )
     up, voxel_size, shift = lattices.pop()
     boxes = [box for grid in grids.values() for box in grid.boxes()] or [np.array([[0, 0, 0], [-1, -1, -1]])]
     low, high = np.min(boxes, 0)[0], np.max(boxes, 0)[1]
     voxels = math.prod(int(side) for side in high - low + 1)
     active = sum(np.count_nonzero(grid.tree.active) for grid in grids.values())
     if not trusted and voxels > EMPTY_VOXELS + BOX_PER_ACTIVE * active:
-        raise ValueError(f"the file is damaged, or nearly empty: a box of {voxels} voxels holds {active} active ones")
+        raise ValueError(f"the file is damaged or nearly empty: {active} voxels in a box of {voxels}")
     place = [at + voxel_size * index for at, index in zip(shift, low.tolist(), strict=True)]
     if up == "z":
-        place = [place[0], place[2], -(shift[1] + voxel_size * int(high[1]))]
+        place = [place[0], place[2], 0 - (shift[1] + voxel_size * int(high[1]))]
     arrays = {name: _array(grid.tree, low, high, up) for name, grid in grids.items()}
     return VdbFile(grids=arrays, voxel_size=voxel_size, origin=tuple(place), metadata=metadata)
 

@@ -1,7 +1,7 @@
 """Read the bytes of a ``.vdb`` file without trusting them.
 
-Every length is held against what is left of the file before anything is made from it, so that a damaged file ends in
-an error and not in gigabytes. Errors here do not know the file's name; ``read_vdb`` adds it.
+Every length is held against what is left of the file before anything is made from it, so that a damaged file
+ends in an error and not in gigabytes. Errors here do not know the file's name; ``read_vdb`` adds it.
 """
 
 import struct
@@ -24,7 +24,7 @@ class Stream:
         """Return the next ``size`` bytes."""
         end = self.position + size
         if size < 0 or end > len(self.data):
-            raise ValueError(f"the file is damaged or cut short: {size} bytes are missing after byte {self.position}")
+            raise ValueError(f"the file is damaged or cut short: no {size} bytes at byte {self.position}")
         start, self.position = self.position, end
         return self.data[start:end]
 
@@ -79,8 +79,8 @@ class Packing:
     def read(self, stream: Stream, active: np.ndarray, out: np.ndarray) -> None:
         """Read one node's values.
 
-        A byte says what the inactive voxels hold: 0 the background, 1 its negative, 2 one value, 3 to 5 one of two
-        that another mask chooses between; with 6 all voxels are stored.
+        A byte says what the inactive voxels hold: 0 the background, 1 its negative, 2 one value, 3 to 5 one
+        of two that another mask chooses between; with 6 all voxels are stored.
 
         Args:
             stream: Where to read.
@@ -89,7 +89,7 @@ class Packing:
         """
         code = stream.number("<B")
         if code > 6:
-            raise ValueError(f"the file is damaged: {code} is no way to store a node (byte {stream.position - 1})")
+            raise ValueError(f"the file is damaged: a node of kind {code} at byte {stream.position - 1}")
         first = self.vector(stream) if code in (2, 4, 5) else -self.background
         second = self.vector(stream) if code == 5 else self.background
         chosen = stream.mask(len(active)) if code in (3, 4, 5) else None
@@ -105,11 +105,9 @@ class Packing:
         """Return the next ``count`` values, shape (count, components)."""
         dtype = np.dtype("<f2" if self.half else "<f4")
         size = count * self.components * dtype.itemsize
-        if count or not self.half:  # an empty block of halves has no length either
-            data = self._unpacked(stream, size)
-        else:
-            data = b""
-        return np.frombuffer(data, dtype).reshape(count, self.components)
+        if self.half and not count:
+            return np.zeros((0, self.components), dtype)  # such a block has no length either
+        return np.frombuffer(self._unpacked(stream, size), dtype).reshape(count, self.components)
 
     def _unpacked(self, stream: Stream, size: int) -> bytes:
         if not self.compression & (layout.ZIP | layout.BLOSC):
@@ -139,8 +137,8 @@ def _unblosc(data: bytes, size: int) -> bytes:
         import blosc
     except ImportError as error:
         raise ValueError(
-            "the file is packed with Blosc; save it again with zip or no compression (an option where the file was "
-            "made), or install the Python package blosc"
+            "the file is packed with Blosc; save it again with zip or no compression, "
+            "or install the Python package blosc"
         ) from error
     head = struct.unpack("<3i", data[4:16]) if len(data) >= 16 else None  # opened, block and packed size
     if head is None or head[0] != size or head[2] != len(data):
@@ -148,4 +146,4 @@ def _unblosc(data: bytes, size: int) -> bytes:
     try:
         return blosc.decompress(data)
     except (blosc.blosc_extension.error, ValueError) as error:
-        raise ValueError(f"the file is damaged: a node packed with Blosc cannot be opened ({error})") from error
+        raise ValueError(f"the file is damaged: a packed node cannot be opened ({error})") from error

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from warpfluid.files.vdb import layout
+from warpfluid.files.vdb.leaves import active_box, as_cubes
 from warpfluid.files.vdb.stream import Packing, Stream
 
 
@@ -28,16 +29,10 @@ class Tree:
 
     def box(self) -> np.ndarray | None:
         """Return the first and the last index of active voxels, shape (2, 3), or None where there is none."""
-        cubes = self.active.reshape(-1, layout.LEAF, layout.LEAF, layout.LEAF)
-        corners = [corner for first, side, _, active in self.tiles if active for corner in (first, first + side - 1)]
-        if cubes.any():
-            spans = []
-            for axis in range(3):
-                others = tuple(1 + other for other in range(3) if other != axis)
-                index = (self.leaves[:, axis, None] + np.arange(layout.LEAF))[cubes.any(others)]
-                spans.append((index.min(), index.max()))
-            corners += list(np.transpose(spans))
-        return np.array([np.min(corners, 0), np.max(corners, 0)]) if corners else None
+        tiles = [[first, first + side - 1] for first, side, _, active in self.tiles if active]
+        leaves = active_box(self.leaves, self.active)
+        boxes = tiles if leaves is None else [*tiles, leaves]
+        return np.array([np.min(boxes, 0)[0], np.max(boxes, 0)[1]]) if boxes else None
 
     def fill(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
         """Return the voxels from index ``low`` to ``high``, float32 of shape (i, j, k, components)."""
@@ -51,8 +46,7 @@ class Tree:
             dense[tuple(map(slice, begin, end))] = value
         place = (self.leaves - start) // layout.LEAF
         inside = ((place >= 0) & (place < blocks)).all(1)
-        x, y, z = blocks
-        cubes = dense.reshape(x, layout.LEAF, y, layout.LEAF, z, layout.LEAF, -1).transpose(0, 2, 4, 1, 3, 5, 6)
+        cubes = as_cubes(dense)
         cubes[tuple(place[inside].T)] = self.values[inside].reshape(-1, *cubes.shape[3:])
         return dense[tuple(map(slice, low - start, high - start + 1))]
 
@@ -108,14 +102,16 @@ class _Nodes:
         for _ in range(children):
             first = np.array(self.stream.unpack("<3i"), np.int64)
             if (first % layout.UPPER).any():
-                raise ValueError(f"the file is damaged: a node begins at {first.tolist()}, no multiple of 4096")
+                raise ValueError(
+                    f"the file is damaged: a node begins at {first.tolist()}, not at a cube of 4096"
+                )
             for lower in self.read_node(first, 32, layout.LOWER):
                 leaves = self.read_node(lower, 16, layout.LEAF)
                 self.leaves.append(leaves)
                 self.masks.append(self.stream.take(64 * len(leaves)))
 
     def read_node(self, first: np.ndarray, side: int, size: int) -> np.ndarray:
-        """Read a node of side^3 places of size^3 voxels; return the children's first voxels, shape (child, 3)."""
+        """Read a node of side^3 places of size^3 voxels; return its children's first voxels, (child, 3)."""
         child, active = self.stream.mask(side**3), self.stream.mask(side**3)
         values = np.empty((side**3, self.packing.components), np.float32)
         values[:] = self.packing.background
