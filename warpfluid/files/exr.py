@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from warpfluid.files import written_whole
+from warpfluid.files.atomic import replacing
 
-MOST_PIXELS = 2**26
+MOST_PIXELS = 2**26  # 8192 x 8192: a header that claims more is damaged or a trap
 LARGEST_HALF = 65504.0
 
 _MAGIC = b"\x76\x2f\x31\x01"
@@ -24,8 +24,8 @@ def read_exr(path: str | Path) -> np.ndarray:
     """Read the picture in an OpenEXR file.
 
     Args:
-        path: The file. Its picture is ``R, G, B`` (of the only layer that has them, if none is without a name),
-            else ``Y``, else the only channel, of the first part that has one; alpha is multiplied in already.
+        path: The file. Its picture is ``R, G, B`` (or those of a layer, if only one has them), else ``Y``,
+            else the only channel, of the first part that has one. Alpha is multiplied in by convention.
 
     Returns:
         Light, float32, shape (rows, columns, 1 or 3), top row first. It fills the display window; outside the
@@ -54,7 +54,7 @@ def write_exr(path: str | Path, channels: Mapping[str, np.ndarray], half: bool =
     """Write an OpenEXR file with ZIP compression.
 
     Args:
-        path: The file; its folder is made when missing.
+        path: The file; its folder must exist.
         channels: Arrays by channel name, shape (rows, columns), top row first; under ``RGB`` the shape
             (rows, columns, 3), under ``RGBA`` (rows, columns, 4).
         half: Store 16-bit floats.
@@ -73,11 +73,11 @@ def write_exr(path: str | Path, channels: Mapping[str, np.ndarray], half: bool =
     # the library writes wrong pixels, without a word, of arrays that are not contiguous
     arrays = {name: np.ascontiguousarray(array, dtype=dtype) for name, array in arrays.items()}
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
-    with written_whole(path) as temporary:
-        try:
-            OpenEXR.File(header, arrays).write(str(temporary))
-        except RuntimeError as error:
-            raise OSError(f"{path} cannot be written: {error}") from error
+    try:
+        with replacing(path) as file:
+            OpenEXR.File(header, arrays).write(file.name)
+    except RuntimeError as error:
+        raise OSError(f"{path} cannot be written: {error}") from error
 
 
 @contextmanager
@@ -163,9 +163,7 @@ def _check_channels(path: str | Path, arrays: Mapping[str, np.ndarray]) -> None:
     wrong = [name for name, shape in shapes.items() if len(shape) < 2 or shape[2:] != depths[name]]
     if wrong or len(sizes) != 1 or 0 in next(iter(sizes)):
         found = ", ".join(f"{name} {shape}" for name, shape in shapes.items()) or "none"
-        raise ValueError(
-            f"{path} needs channels of one shape (rows, columns), or RGB with 3 more; found {found}"
-        )
+        raise ValueError(f"{path} needs channels of one shape (rows, columns), RGB with 3 more, not {found}")
 
 
 def _check_half(path: str | Path, arrays: Mapping[str, np.ndarray]) -> None:
@@ -174,5 +172,5 @@ def _check_half(path: str | Path, arrays: Mapping[str, np.ndarray]) -> None:
         largest = np.abs(array, where=np.isfinite(array), out=np.zeros(array.shape)).max()
         if largest > LARGEST_HALF:
             raise ValueError(
-                f"{path}: {name} holds {largest:g}, half floats end at {LARGEST_HALF:g}: write with half=False"
+                f"{path}: {name} holds {largest:g}, half floats end at {LARGEST_HALF:g}: use half=False"
             )

@@ -13,11 +13,10 @@ from typing import Literal
 
 import numpy as np
 
-from warpfluid.files import written_whole
-from warpfluid.files.exr import read_exr
+from warpfluid.files.atomic import replacing
+from warpfluid.files.exr import MOST_PIXELS, read_exr
 
 IMAGE_SUFFIXES = (".bmp", ".exr", ".jpeg", ".jpg", ".png", ".tif", ".tiff", ".webp")
-MOST_PIXELS = 2**26  # 8192 x 8192: a header that claims more is damaged or a trap
 
 Depth = Literal["8 bit", "16 bit", "float"]
 
@@ -31,9 +30,9 @@ def read_image(path: str | Path) -> np.ndarray:
         path: A file with one of ``IMAGE_SUFFIXES``.
 
     Returns:
-        Light, float32, shape (rows, columns, 1 or 3), top row first. Integer formats are scaled to 0..1, float
-        formats kept. Colours are multiplied by alpha, so what is transparent is black; the alpha of EXR files
-        is multiplied in already, by convention, and ignored.
+        Light, float32, shape (rows, columns, 1 or 3), top row first. Integer formats are scaled to 0..1,
+        float formats kept. Colours are multiplied by alpha, so what is transparent is black; the alpha of EXR
+        files is multiplied in already, by convention, and ignored.
 
     Raises:
         OSError: If the file cannot be opened.
@@ -56,17 +55,16 @@ def decode_image(path: str | Path) -> tuple[np.ndarray, Depth]:
         light = to_light(samples)
     except Exception as error:  # decoders fail on damaged files in every way there is
         raise ValueError(f"{path} cannot be read: {str(error) or type(error).__name__}") from error
-    if light.dtype.kind == "f" and samples.dtype.kind == "f":
-        return light, "float"
-    return light, "8 bit" if samples.dtype.itemsize == 1 else "16 bit"
+    depths: dict[tuple[str, int], Depth] = {("u", 1): "8 bit", ("u", 2): "16 bit"}
+    return light, depths.get((samples.dtype.kind, samples.dtype.itemsize), "float")
 
 
 def to_light(samples: np.ndarray) -> np.ndarray:
     """Scale pixels to light: integers to 0..1, colours multiplied by alpha.
 
     Args:
-        samples: Pixels, uint8, uint16 or float, shape (rows, columns[, channels]): grey, grey and alpha, RGB or
-            RGBA.
+        samples: Pixels, uint8, uint16 or float, shape (rows, columns[, channels]), top row first: grey, grey
+            and alpha, RGB or RGBA.
 
     Returns:
         Light, float32, shape (rows, columns, 1 or 3).
@@ -77,7 +75,7 @@ def to_light(samples: np.ndarray) -> np.ndarray:
     samples = samples[..., None] if samples.ndim == 2 else samples
     if samples.ndim != 3 or samples.shape[2] not in (1, 2, 3, 4):
         raise ValueError(f"pixels have the shape {samples.shape}, not that of a grey or RGB picture")
-    if samples.dtype.kind != "f" and samples.dtype.newbyteorder("=") not in (np.uint8, np.uint16):
+    if samples.dtype.kind != "f" and not _is_8_or_16_bit(samples.dtype):
         raise ValueError(f"pixels are {samples.dtype}: 8 bit, 16 bit and float can be read")
     light = samples.astype(np.float32)
     if samples.dtype.kind != "f":
@@ -91,7 +89,7 @@ def write_png(path: str | Path, array: np.ndarray) -> None:
     """Write a picture as PNG, 8 or 16 bits a channel.
 
     Args:
-        path: The file; its folder is made when missing.
+        path: The file; its folder must exist.
         array: Pixels, uint8 or uint16, shape (rows, columns[, 1 or 3]), top row first.
 
     Raises:
@@ -100,14 +98,18 @@ def write_png(path: str | Path, array: np.ndarray) -> None:
     """
     array = np.asarray(array)
     pixels = array[..., None] if array.ndim == 2 else array
-    if array.dtype not in (np.uint8, np.uint16) or pixels.ndim != 3 or pixels.shape[2] not in (1, 3):
+    if not _is_8_or_16_bit(array.dtype) or pixels.ndim != 3 or pixels.shape[2] not in (1, 3):
         raise ValueError(
-            f"{path} needs uint8 or uint16 pixels of the shape (rows, columns[, 3]), not {array.dtype} {array.shape}"
+            f"{path} needs uint8 or uint16, shape (rows, columns[, 3]), not {array.dtype} {array.shape}"
         )
     if not pixels.size:
         raise ValueError(f"{path} would have no pixels: the shape is {array.shape}")
-    with written_whole(path) as temporary:
-        temporary.write_bytes(_encode_png(pixels))
+    with replacing(path) as file:
+        file.write(_encode_png(pixels))
+
+
+def _is_8_or_16_bit(dtype: np.dtype) -> bool:
+    return dtype.kind == "u" and dtype.itemsize <= 2
 
 
 def _encode_png(pixels: np.ndarray) -> bytes:
@@ -170,9 +172,7 @@ def _decode_deep_png(data: bytes) -> np.ndarray:
         raise ValueError("the file is cut off")
     (frame,) = frames
     channels = {"gray16be": 1, "ya16be": 2, "rgb48be": 3, "rgba64be": 4}[frame.format.name]
-    lines = np.frombuffer(frame.planes[0], ">u2").reshape(
-        frame.height, -1
-    )  # padded to a multiple of some bytes
+    lines = np.frombuffer(frame.planes[0], ">u2").reshape(frame.height, -1)  # with padding
     return lines[:, : frame.width * channels].reshape(frame.height, frame.width, channels)
 
 
@@ -194,7 +194,8 @@ def _decode_tiff(data: bytes) -> np.ndarray:
         except (ValueError, KeyError) as error:
             if "imagecodecs" not in str(error):
                 raise
-            raise ValueError(
-                "its compression is unknown: save it uncompressed, with ZIP, or as EXR"
-            ) from error
-        return np.moveaxis(pixels, 0, -1) if page.axes == "SYX" else pixels
+            raise ValueError("its compression is unknown: save it with ZIP or as EXR") from error
+        pixels = np.moveaxis(pixels, 0, -1) if page.axes == "SYX" else pixels
+        straight_alpha = page.extrasamples == (tifffile.EXTRASAMPLE.UNASSALPHA,)
+        colors = page.samplesperpixel - (0 if straight_alpha else len(page.extrasamples))
+        return pixels[..., :colors] if page.extrasamples else pixels

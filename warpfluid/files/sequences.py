@@ -11,7 +11,7 @@ MOST_FRAMES = 100_000  # more than an hour of film: a longer set is a slip of th
 FORMS = "a folder of images, an image, front.%04d.exr, front.####.exr, front.1001-1100#.exr or front.*.exr"
 
 _RANGE = r"\d{1,9}-\d{1,9}(?:x\d{1,9})?(?:,\d{1,9}(?:-\d{1,9}(?:x\d{1,9})?)?)*"
-# the frame number in a pattern: printf, Nuke, shell and Houdini style, with the frames to use before it or without
+# where a pattern has the frame number, printf, Nuke or Houdini style; before it may stand the frames to use
 _TOKEN = re.compile(rf"(?P<frames>{_RANGE})?(?:%0?\d*d|#+|@+|\$F\d*)")
 _LAST_NUMBER = re.compile(r"\d+(?=\D*$)")
 
@@ -50,9 +50,9 @@ def find_sequence(source: str | Path) -> dict[int, Path]:
     """Return the files of one image sequence by frame number, which is the last number in a file's name.
 
     Args:
-        source: A folder that holds one sequence, a pattern with the frame number as ``%04d``, ``####``, ``#``,
-            ``@@@@`` or ``$F4`` (any padding matches), the same with the frames to use before it
-            (``front.1001-1100#.exr``), a pattern with ``*``, or one image, which is frame 1 if it has no number.
+        source: A folder that holds one sequence; a pattern with the frame number as ``%04d``, ``####``,
+            ``#``, ``@@@@`` or ``$F4``, which all match any padding; the same with the frames to use before it
+            (``front.1001-1100#.exr``); a pattern with ``*``; or one image, frame 1 if it has no number.
 
     Returns:
         The files in the order of their frames; numbers may be missing between them.
@@ -83,7 +83,7 @@ def _parse_chunk(chunk: str, text: str) -> range:
     match = re.fullmatch(r"(-?\d{1,9})(?:-(-?\d{1,9})(?:x(\d{1,9}))?)?", chunk)
     if not match:
         raise ValueError(
-            f"frames {text!r} cannot be read at {chunk!r}: write 1001-1100, 1001-1100x5 or 1,5,9"
+            f"frames {text!r} have no number at {chunk!r}: write 1001-1100, 1001-1100x5 or 1,5,9"
         )
     first, last, step = int(match[1]), int(match[2] or match[1]), int(match[3] or 1)
     if last < first:
@@ -124,9 +124,7 @@ def _matching_sequence(path: Path, token: re.Match) -> dict[int, Path]:
     wanted = parse_frames(token["frames"])
     missing = format_frames(frame for frame in wanted if frame not in found)
     if missing:
-        raise ValueError(
-            f"{path} asks for frames that are missing: {missing}; there are {format_frames(found)}"
-        )
+        raise ValueError(f"{path} asks for missing frames: {missing}; there are {format_frames(found)}")
     return {frame: found[frame] for frame in wanted}
 
 
@@ -138,9 +136,7 @@ def _only_sequence(files: list[Path], source: Path) -> dict[int, Path]:
     sequences = _group(files)
     if len(sequences) > 1:
         example = files[0].parent / next(iter(sequences))
-        raise ValueError(
-            f"{source} is more than one sequence: {_list(sequences)}; name one, such as {example}"
-        )
+        raise ValueError(f"{source} is more than one sequence: {_list(sequences)}; name one, as {example}")
     return _by_number(next(iter(sequences.values())))
 
 
