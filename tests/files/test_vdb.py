@@ -3,7 +3,6 @@
 import contextlib
 import os
 import struct
-import sys
 import tracemalloc
 import zlib
 
@@ -208,17 +207,58 @@ def test_files_of_other_kinds_say_the_way_out(tmp_path, old, new, message):
         read_vdb(path)
 
 
-def test_blosc_says_the_way_out(tmp_path, monkeypatch):
-    """A file packed with Blosc names the package that opens it."""
-    monkeypatch.setitem(sys.modules, "blosc", None)
-    path = tmp_path / "a.vdb"
-    write_vdb(path, {"density": np.arange(1, 513).reshape(8, 8, 8)})
-    zip_mask, blosc_mask = struct.pack("<II", 3, 9), struct.pack("<II", 6, 9)  # compression, number of facts
+def with_blosc(path, block):
+    """Replace the values of a file's only leaf by a block packed with Blosc."""
+    write_vdb(path, {"density": np.ones((8, 8, 8))})
     data = path.read_bytes()
+    zip_mask, blosc_mask = struct.pack("<II", 3, 9), struct.pack("<II", 6, 9)  # compression, number of facts
     assert data.count(zip_mask) == 1
-    path.write_bytes(unsigned(data.replace(zip_mask, blosc_mask)))
-    with pytest.raises(ValueError, match="packed with Blosc; save it again with zip"):
-        read_vdb(path)
+    data = data.replace(zip_mask, blosc_mask)
+    leaf = data.rindex(b"\xff" * 64) + 65
+    path.write_bytes(unsigned(data[:leaf] + struct.pack("<q", len(block)) + block))
+
+
+def blosc_block(flags, stream, part=2048):
+    """Return a block of one unsplit part with Blosc's header."""
+    body = stream if flags & 2 else struct.pack("<II", 20, len(stream)) + stream
+    return struct.pack("<4B3I", 2, 1, flags, 4, 2048, part, 16 + len(body)) + body
+
+
+LZ4 = 1 << 5 | 16
+# Four new bytes, 15 + 7 * 255 + 235 + 4 = 2039 copied from four back, then five new, as LZ4 has to end.
+ONES = b"\x4f\x00\x00\x80\x3f\x04\x00" + b"\xff" * 7 + b"\xeb" + b"\x50\x3f\x00\x00\x80\x3f"
+
+
+def test_blosc_blocks_are_opened(tmp_path):
+    """Blocks that are stored, packed, or packed and shuffled hold what LZ4 and Blosc say they do."""
+    path, values = tmp_path / "a.vdb", np.arange(512, dtype=np.float32)
+    with_blosc(path, blosc_block(2, values.tobytes()))
+    assert np.array_equal(read_vdb(path).grids["density"].ravel(), values)
+    with_blosc(path, blosc_block(LZ4, ONES))
+    assert (read_vdb(path).grids["density"] == 1).all()
+    shuffled = np.frombuffer(values.tobytes(), np.uint8).reshape(512, 4).T.tobytes()
+    with_blosc(path, blosc_block(LZ4 | 1, b"\xf0" + b"\xff" * 7 + b"\xf8" + shuffled))
+    assert np.array_equal(read_vdb(path).grids["density"].ravel(), values)
+
+
+@pytest.mark.parametrize(
+    ("block", "message"),
+    [
+        (b"short", "has no header"),
+        (blosc_block(2, bytes(2047)), "has 2047 bytes where 2048 belong"),
+        (blosc_block(3 << 5 | 16, ONES), "not with its LZ4; save it again with zip"),
+        (blosc_block(LZ4, ONES[:1] + b"\0"), "has 1 bytes where 4 belong"),
+        (blosc_block(LZ4, ONES[:6]), "ends too early"),
+        (blosc_block(LZ4, ONES[:5] + b"\x05" + ONES[6:]), "copies what is not there"),
+        (blosc_block(LZ4, ONES[:-6]), "ends too early"),
+        (blosc_block(LZ4, ONES, part=0), "parts of no size"),
+    ],
+)
+def test_damaged_blosc_blocks_end_in_an_error(tmp_path, block, message):
+    """A block that cannot be what it says is refused."""
+    with_blosc(tmp_path / "a.vdb", block)
+    with pytest.raises(ValueError, match=message):
+        read_vdb(tmp_path / "a.vdb")
 
 
 def unsigned(data):

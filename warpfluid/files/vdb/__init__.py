@@ -7,7 +7,7 @@ and the *buffers* (the values of every leaf, in the same order). Of a leaf only 
 stored, packed with zlib.
 
 No package for the usual Python versions writes such files, so this one is our own: ``layout`` is what writing
-and reading share, ``leaves`` and ``writer`` write, ``stream``, ``tree`` and ``reader`` read.
+and reading share, ``leaves`` and ``writer`` write, ``stream``, ``blosc``, ``tree`` and ``reader`` read.
 """
 
 from warpfluid.files.vdb.reader import VdbFile, read_vdb

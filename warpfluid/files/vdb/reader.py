@@ -64,8 +64,7 @@ def read_vdb(path: str | Path, names: Collection[str] | None = None) -> VdbFile:
 
     A file of ``write_vdb`` gives back the arrays that were written, in their axes whatever the file's up
     axis, with 0 where a voxel was dropped. Files of other programs are read as they are, cut to the box of
-    all active voxels; they may be packed with zip, not at all, or, where the Python package ``blosc`` is
-    installed, with Blosc.
+    all active voxels; they may be packed with zip, with Blosc's LZ4, or not at all.
 
     Args:
         path: The file.

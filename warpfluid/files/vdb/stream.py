@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from warpfluid.files.vdb import layout
+from warpfluid.files.vdb import blosc, layout
 
 
 @dataclass
@@ -115,7 +115,7 @@ class Packing:
         length = stream.number("<q")
         if length > 0:
             data = stream.take(length)
-            return _unblosc(data, size) if self.compression & layout.BLOSC else _unzip(data, size)
+            return blosc.unpack(data, size) if self.compression & layout.BLOSC else _unzip(data, size)
         if -length != size:
             raise ValueError(f"the file is damaged: a node has {-length} bytes where {size} belong")
         return stream.take(size)
@@ -130,20 +130,3 @@ def _unzip(data: bytes, size: int) -> bytes:
     if len(values) != size:
         raise ValueError(f"the file is damaged: a node opens to {len(values)} bytes where {size} belong")
     return values
-
-
-def _unblosc(data: bytes, size: int) -> bytes:
-    try:
-        import blosc
-    except ImportError as error:
-        raise ValueError(
-            "the file is packed with Blosc; save it again with zip or no compression, "
-            "or install the Python package blosc"
-        ) from error
-    head = struct.unpack("<3i", data[4:16]) if len(data) >= 16 else None  # opened, block and packed size
-    if head is None or head[0] != size or head[2] != len(data):
-        raise ValueError("the file is damaged: a node packed with Blosc has the wrong size")
-    try:
-        return blosc.decompress(data)
-    except (blosc.blosc_extension.error, ValueError) as error:
-        raise ValueError(f"the file is damaged: a packed node cannot be opened ({error})") from error
