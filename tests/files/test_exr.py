@@ -144,6 +144,17 @@ def test_a_cut_off_file_is_one_quiet_error(tmp_path, capfd, share):
     assert capfd.readouterr() == ("", "")
 
 
+def test_damaged_pixels_are_named_as_such(tmp_path, capfd):
+    """A file whose header is whole is not said to be without channels."""
+    path = tmp_path / "a.exr"
+    write_exr(path, {"RGB": np.ones((60, 50, 3))})
+    content = path.read_bytes()
+    path.write_bytes(content[:-40] + bytes(40))
+    with pytest.raises(ValueError, match="pixels are damaged"):
+        read_exr(path)
+    assert capfd.readouterr() == ("", "")
+
+
 def test_others_may_print_while_a_file_is_read(tmp_path, capfd):
     """Nothing on stderr is lost when a file is whole."""
     write_exr(tmp_path / "a.exr", {"RGB": picture()})

@@ -191,6 +191,43 @@ def test_a_damaged_frame_is_an_error_when_it_is_read(tmp_path):
         video.read(6)
 
 
+@given(data=st.data())
+@settings(max_examples=40, deadline=None)
+def test_damaged_videos_end_in_a_value_error_if_at_all(tmp_path_factory, data):
+    """Random damage never ends in a foreign exception."""
+    folder = tmp_path_factory.getbasetemp()
+    whole = folder / data.draw(st.sampled_from(["whole.mp4", "whole.mkv", "whole.ts"]))
+    if not whole.exists():
+        encode(whole, count=8)
+    content = bytearray(whole.read_bytes())
+    for _ in range(data.draw(st.integers(1, 9))):
+        content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
+    path = folder / f"damaged{whole.suffix}"
+    path.write_bytes(content)
+    error = None
+    try:
+        video = Video(path)
+        assert video.read(video.count - 1).shape == (*video.size[::-1], 3)
+    except ValueError as found:
+        error = found
+    assert type(error) in (type(None), ValueError)
+    assert error is None or str(path) in str(error)
+
+
+def test_odd_letters_in_a_title_do_not_matter(tmp_path):
+    """Old programs write metadata in any encoding."""
+    with av.open(str(tmp_path / "a.mkv"), "w") as file:
+        file.metadata["title"] = "Feuer"
+        stream = file.add_stream("ffv1", rate=24)
+        stream.width, stream.height, stream.pix_fmt = 64, 48, "yuv420p"
+        file.mux(stream.encode(av.VideoFrame.from_ndarray(pictures(1)[0], format="rgb24")))
+        file.mux(stream.encode(None))
+    content = (tmp_path / "a.mkv").read_bytes()
+    assert b"Feuer" in content
+    (tmp_path / "a.mkv").write_bytes(content.replace(b"Feuer", b"F\xe4\xe4\xe4r"))
+    assert Video(tmp_path / "a.mkv").count == 1
+
+
 def number_of(packet):
     """Return which frame a packet of a video without reordering holds."""
     return round(packet.pts * packet.time_base * 24)

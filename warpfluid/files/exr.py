@@ -126,7 +126,9 @@ def _picture(parts: list) -> np.ndarray:
                 raise ValueError("it is a deep image: flatten it")
             return _fill_display_window(np.stack(planes, axis=-1).astype(np.float32), part.header)
         found += sorted(part.channels)
-    raise ValueError(f"none of its channels make a picture: {', '.join(found) or 'none'}; save R, G, B or Y")
+    if not found:  # the library leaves out what it cannot read
+        raise ValueError("its pixels are damaged or cut off")
+    raise ValueError(f"none of its channels make a picture: {', '.join(found)}; save R, G, B or Y")
 
 
 def _picture_channels(names: set[str]) -> list[str]:

@@ -63,7 +63,7 @@ class Video:
         """
         if not 0 <= index < self.count:
             raise ValueError(f"{self.path} has frames 0 to {self.count - 1}, not {index}")
-        return _picture(self._frame(index))
+        return self._picture(self._frame(index))
 
     def close(self) -> None:
         """Close the file; the next read opens it again."""
@@ -93,7 +93,7 @@ class Video:
         self.count = len(self._times or times)
         self.rate = float(rate) if rate else None
         self.depth = "16 bit" if first.format.components[0].bits > 8 else "8 bit"
-        rows, columns = _picture(first).shape[:2]
+        rows, columns = self._picture(first).shape[:2]
         self.size = (columns, rows)
 
     def _open(self):
@@ -103,12 +103,15 @@ class Video:
         with self.path.open("rb"):  # what cannot be opened at all is Python's error
             pass
         try:
-            container = av.open(str(self.path))
+            container = av.open(str(self.path), metadata_errors="ignore")
         except av.FFmpegError as error:
             raise ValueError(f"{self.path} is no video, or is cut off: {error.strerror}") from error
         if not container.streams.video:
             container.close()
             raise ValueError(f"{self.path} holds no video, only sound or the like")
+        if container.streams.video[0].codec_context is None:
+            container.close()
+            raise ValueError(f"{self.path} holds video of an unknown kind: convert it to H.264 or ProRes")
         container.streams.video[0].thread_type = "AUTO"
         return container
 
@@ -148,6 +151,22 @@ class Video:
         """Return the number of the frame that is shown at a time, -1 where none is."""
         position = -1 if time is None else bisect_left(self._times, time)
         return position if 0 <= position < len(self._times) and self._times[position] == time else -1
+
+    def _picture(self, frame) -> np.ndarray:
+        """Return a decoded frame as light, upright."""
+        import av
+
+        parts = frame.format.components
+        alpha = any(part.is_alpha for part in parts)
+        deep, shallow = ("rgba64le", "rgba") if alpha else ("rgb48le", "rgb24")
+        unsaid = frame.colorspace == UNSPECIFIED and frame.height >= HD_ROWS
+        try:
+            samples = frame.to_ndarray(
+                format=deep if parts[0].bits > 8 else shallow, src_colorspace="ITU709" if unsaid else None
+            )
+        except av.FFmpegError as error:
+            raise ValueError(f"{self.path} has colours of an unknown kind ({frame.format.name})") from error
+        return np.ascontiguousarray(np.rot90(to_light(samples), round(frame.rotation / 90)))
 
     def _damage(self, promised: int) -> ValueError:
         """Return the error of a damaged file, which tells how much of it is good."""
@@ -237,21 +256,12 @@ def _good_frames(container) -> Iterator:
         yield from stream.codec_context.decode(None)
 
 
-def _picture(frame) -> np.ndarray:
-    """Return a decoded frame as light, upright."""
-    deep = frame.format.components[0].bits > 8
-    alpha = any(component.is_alpha for component in frame.format.components)
-    pixel = ("rgba" if alpha else "rgb") + (
-        ("64le" if alpha else "48le") if deep else ("" if alpha else "24")
-    )
-    unsaid = frame.colorspace == UNSPECIFIED and frame.height >= HD_ROWS
-    samples = frame.to_ndarray(format=pixel, src_colorspace="ITU709" if unsaid else None)
-    return np.ascontiguousarray(np.rot90(to_light(samples), round(frame.rotation / 90)))
-
-
 def _add_stream(container, picture: np.ndarray, rate: float):
     """Return a video stream for pictures of this size, its colours tagged as those of HD video."""
-    stream = container.add_stream("libx264", rate=Fraction(rate).limit_denominator(1001))
+    try:
+        stream = container.add_stream("libx264", rate=Fraction(rate).limit_denominator(1001))
+    except ValueError as error:  # PyAV built without it
+        raise ValueError("PyAV has no encoder libx264: install av from PyPI, or write .webp") from error
     rows, columns = picture.shape[:2]
     stream.width, stream.height = columns + columns % 2, rows + rows % 2
     stream.pix_fmt = "yuv420p"
