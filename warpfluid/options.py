@@ -4,31 +4,43 @@ The command line makes its flags from these classes, and ``run.toml`` stores the
 best volumes; ``ReconstructOptions.paper()`` sets everything to the paper's choices.
 """
 
-from dataclasses import dataclass, replace
-from typing import Annotated, Literal
+import math
+from dataclasses import dataclass, fields, replace
+from typing import Annotated, Literal, get_args, get_type_hints
 
 
 @dataclass(frozen=True, kw_only=True)
 class InputOptions:
     """How pictures become grey images of light on black."""
 
-    frames: Annotated[str | None, "Frames to use, such as 1001-1024, 1-100x2 or 1,5,9; all that every view has by default"] = None
-    resolution: Annotated[str | None, "Size of a picture, WIDTH or WIDTHxHEIGHT; larger footage is reduced to it"] = None
+    frames: Annotated[
+        str | None, "Frames to use, such as 1001-1024, 1-100x2 or 1,5,9; all that every view has by default"
+    ] = None
+    resolution: Annotated[
+        str | None, "Size of a picture, WIDTH or WIDTHxHEIGHT; larger footage is reduced to it"
+    ] = None
     crop: Annotated[str | None, "Part of the picture to use, WIDTHxHEIGHT+LEFT+TOP in its pixels"] = None
     decode: Annotated[
-        Literal["none", "srgb", "rec709"], "Tone curve to undo before the luminance is taken; float images are linear already"
+        Literal["none", "srgb", "rec709"],
+        "Tone curve to undo before the luminance is taken; float images are linear already",
     ] = "none"
     black_level: Annotated[float, "Grey level of the empty background, taken off every pixel [0-255]"] = 0.0
     background: Annotated[
         str | None, "Picture of the empty set to take off, or `median` for the median over the frames"
     ] = None
-    largest_component: Annotated[bool, "Keep the largest connected lit region only: sparks and props go"] = False
+    largest_component: Annotated[bool, "Keep the largest connected lit region only: sparks and props go"] = (
+        False
+    )
     white: Annotated[
-        float | None, "Pixel value that becomes 255; by default full range for integer footage, the brightest pixel for float"
+        float | None,
+        "Pixel value that becomes 255; by default full range for integer footage, the brightest pixel for float",
     ] = None
     equalize_rows: Annotated[
         bool, "Give every view the same total in each image row, as light that no medium absorbs has"
     ] = True
+
+    def __post_init__(self):
+        check_options(self)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,44 +51,65 @@ class ReconstructOptions:
         Literal["appearance-transfer", "lsm"], "appearance-transfer, or least squares alone (Eq. 3)"
     ] = "appearance-transfer"
     iterations: Annotated[int, "EM iterations; 5 serve for a preview"] = 8
-    angles: Annotated[int | None, "Views that appearance is transferred to; from the width by default, 180 for the paper's sizes"] = None
-    footprint: Annotated[Literal["box", "joseph"], "What a voxel looks like to a ray: box conserves light in every view"] = "box"
+    angles: Annotated[
+        int | None,
+        "Views that appearance is transferred to; from the width by default, 180 for the paper's sizes",
+    ] = None
+    footprint: Annotated[
+        Literal["box", "joseph"], "What a voxel looks like to a ray: box conserves light in every view"
+    ] = "box"
     # E-step
     cg_steps: Annotated[int, "Conjugate gradient steps of an E-step"] = 5
     lsm_steps: Annotated[int, "Conjugate gradient steps of the initial volume (Eq. 3)"] = 12
-    preconditioner: Annotated[Literal["ramp", "none"], "ramp lets few steps reach fine horizontal detail; none is plain CG"] = "ramp"
+    preconditioner: Annotated[
+        Literal["ramp", "none"], "ramp lets few steps reach fine horizontal detail; none is plain CG"
+    ] = "ramp"
     blur: Annotated[float, "Standard deviation of the 3D blur that ends an E-step [voxel]"] = 0.4
     input_weight: Annotated[float, "Weight of a measured view against a made one"] = 10.0
     non_negative: Annotated[bool, "Clip negative density after every solve"] = True
     row_sums: Annotated[bool, "Give made views the row sums of the measured ones"] = True
-    slice_rescale: Annotated[bool, "Rescale every horizontal slice to the measured row sum after an E-step"] = False
+    slice_rescale: Annotated[
+        bool, "Rescale every horizontal slice to the measured row sum after an E-step"
+    ] = False
     balance: Annotated[int, "Multiplicative sweeps that make the measured views exact after an E-step"] = 2
-    balance_power: Annotated[float, "Exponent of the ratio in balancing, 0-1; lower is milder where views disagree"] = 1.0
+    balance_power: Annotated[
+        float, "Exponent of the ratio in balancing, 0-1; lower is milder where views disagree"
+    ] = 1.0
     fade: Annotated[float, "Share of black views at which a voxel has faded to nothing; 0 is off"] = 0.5
     fade_blur: Annotated[float, "Smoothing of that share [voxel]"] = 1.5
     # visual hull and start
     threshold: Annotated[float, "Grey level above which a pixel belongs to the silhouette [0-255]"] = 1.0
     hull: Annotated[
-        Literal["auto", "silhouette", "round"], "silhouette: what all views see; round: circles about one view's bulk; auto: round for one view"
+        Literal["auto", "silhouette", "round"],
+        "silhouette: what all views see; round: circles about one view's bulk; auto: round for one view",
     ] = "auto"
     hull_radius: Annotated[float, "Radius of the round hull over half the bulk's width"] = 1.45
     start_noise: Annotated[float, "Log-amplitude of the noise in the initial volume; 0 is off"] = 0.3
     noise_grain: Annotated[float, "Scale of that noise [voxel]"] = 2.0
-    noise_grain_y: Annotated[float | None, "Its scale along the height; the same by default. Flames: 8 with grain 3 and noise 1"] = None
+    noise_grain_y: Annotated[
+        float | None, "Its scale along the height; the same by default. Flames: 8 with grain 3 and noise 1"
+    ] = None
     seed: Annotated[int, "Seed of the noise, the same for all frames"] = 0
     # M-step
-    scales: Annotated[int | None, "Scales of the steerable pyramid; from the picture's size by default"] = None
+    scales: Annotated[int | None, "Scales of the steerable pyramid; from the picture's size by default"] = (
+        None
+    )
     interpolation: Annotated[
-        Literal["density", "quantile", "hybrid", "nearest", "first"], "How histograms of neighbouring inputs mix: density is Eq. 4"
+        Literal["density", "quantile", "hybrid", "nearest", "first"],
+        "How histograms of neighbouring inputs mix: density is Eq. 4",
     ] = "density"
     # one view
-    side: Annotated[
+    stand_in: Annotated[
         Literal["mirror", "front", "measured"],
         "One view: the side looks like the mirrored front, like the front, or is the front as a measurement (the paper's choice)",
     ] = "mirror"
     shoulder: Annotated[
-        float, "Strength of a film-like tone curve to undo, 2 to 3.5 for flames with a flat white core; 0 is off"
+        float,
+        "Strength of a film-like tone curve to undo, 2 to 3.5 for flames with a flat white core; 0 is off",
     ] = 0.0
+
+    def __post_init__(self):
+        check_options(self)
 
     @classmethod
     def paper(cls, **changes) -> "ReconstructOptions":
@@ -91,6 +124,85 @@ class ReconstructOptions:
             fade=0.0,
             start_noise=0.0,
             hull="silhouette",
-            side="measured",
+            stand_in="measured",
         )
         return replace(paper, **changes)
+
+
+@dataclass(frozen=True, kw_only=True)
+class OutputOptions:
+    """What is written for a frame and for the run."""
+
+    half: Annotated[bool, "Store density in half precision: half the size, three digits"] = False
+    up: Annotated[
+        Literal["y", "z"], "Axis that points up in the files: y for Houdini and Maya, z for Blender"
+    ] = "y"
+    voxel_size: Annotated[float, "Edge of a voxel in the units of the scene"] = 0.01
+    drop_below: Annotated[float, "Density not stored, as a part of the frame's maximum"] = 1e-4
+    look: Annotated[Literal["fire", "smoke", "gray", "jet"], "Colours of the turntable and the report"] = (
+        "fire"
+    )
+    turntable: Annotated[bool, "Write turntable.mp4"] = True
+    report: Annotated[bool, "Write report.html"] = True
+
+    def __post_init__(self):
+        check_options(self)
+
+
+RANGES = {
+    "iterations": (0, 1000),
+    "angles": (2, 7200),
+    "cg_steps": (1, 1000),
+    "lsm_steps": (1, 1000),
+    "blur": (0, 20),
+    "input_weight": (0, 1e6),
+    "balance": (0, 100),
+    "balance_power": (0, 1),
+    "fade": (0, 1),
+    "fade_blur": (0, 20),
+    "threshold": (0, 254),
+    "hull_radius": (0.5, 10),
+    "start_noise": (0, 5),
+    "noise_grain": (0.1, 100),
+    "noise_grain_y": (0.1, 100),
+    "seed": (0, 2**32 - 1),
+    "scales": (1, 10),
+    "shoulder": (0, 10),
+    "black_level": (0, 254),
+    "voxel_size": (1e-9, 1e9),
+    "drop_below": (0, 1),
+}
+
+
+def check_options(options) -> None:
+    """Check every option against its type and range.
+
+    Raises:
+        ValueError: If any is wrong; one line each.
+    """
+    problems = []
+    hints = get_type_hints(type(options))
+    for field in fields(options):
+        value, name = getattr(options, field.name), field.name.replace("_", "-")
+        kinds = get_args(hints[field.name]) or (hints[field.name],)
+        if value is None and type(None) in kinds:
+            continue
+        choices = [kind for kind in kinds if isinstance(kind, str)]
+        if choices and value not in choices:
+            problems.append(f"{name} is {value!r}, expected one of {', '.join(choices)}")
+        elif bool in kinds and not isinstance(value, bool):
+            problems.append(f"{name} is {value!r}, expected true or false")
+        elif str in kinds and not isinstance(value, str):
+            problems.append(f"{name} is {value!r}, expected text")
+        elif (int in kinds or float in kinds) and not _is_number(value, whole=int in kinds):
+            problems.append(f"{name} is {value!r}, expected a {'whole ' if int in kinds else ''}number")
+        elif field.name in RANGES and not RANGES[field.name][0] <= value <= RANGES[field.name][1]:
+            low, high = RANGES[field.name]
+            problems.append(f"{name} is {value:g}, expected {low:g} to {high:g}")
+    if problems:
+        raise ValueError("\n".join(problems))
+
+
+def _is_number(value, *, whole: bool) -> bool:
+    allowed = int if whole else int | float
+    return isinstance(value, allowed) and not isinstance(value, bool) and math.isfinite(value)

@@ -101,7 +101,7 @@ def reconstruct(
         volume = scene.start(initial) if start is None else scene.given_start(start / pixel)
         energies = scene.iterate(volume, progress)
     volume = volume.numpy()
-    if len(views.angles_deg) == 1 and options.side == "measured":
+    if len(views.angles_deg) == 1 and options.stand_in == "measured":
         volume = _symmetric(volume, views.angles_deg[0])
     return Reconstruction(
         volume=volume * np.float32(pixel),

@@ -59,14 +59,14 @@ def make_inputs(views: Views, options: ReconstructOptions, device: wp.Device) ->
     measured, side, half_depth = len(angles), None, None
     if len(angles) == 1:
         front, angle = images[0], angles[0]
-        look = front if options.side != "mirror" else front[::-1]
-        if options.side == "measured":
+        look = front if options.stand_in != "mirror" else front[::-1]
+        if options.stand_in == "measured":
             measured = 2
         if options.hull != "silhouette":
             centre, radius = _circles(front, options.hull_radius)
             half_depth = _half_depth(front, threshold, centre, radius)
-            if options.side != "measured":
-                side = _laid_over(look, len(front) - 1 - centre if options.side == "mirror" else centre)
+            if options.stand_in != "measured":
+                side = _laid_over(look, len(front) - 1 - centre if options.stand_in == "mirror" else centre)
                 side *= _ratio(front.sum(0), side.sum(0))
         stand_in, at = _within_half_turn(np.stack([look, look if side is None else side]), (angle + 90,) * 2)
         images, angles = np.stack([front, stand_in[0]]), (angle, at[0])

@@ -1,0 +1,7 @@
+"""``python -m warpfluid``."""
+
+import sys
+
+from warpfluid.cli import main
+
+sys.exit(main())

@@ -1,0 +1,159 @@
+"""The command line: flags made from the options, results to stdout, everything else to stderr.
+
+Exit codes: 0 done, 1 some frames failed (they are named), 2 the command or its input is wrong, 130 interrupted.
+"""
+
+import sys
+from dataclasses import dataclass, field, fields, make_dataclass
+from pathlib import Path
+from typing import Annotated, Literal, get_args, get_type_hints
+
+import cyclopts
+from cyclopts import App, Group, Parameter
+
+from warpfluid import __version__
+from warpfluid.options import InputOptions, OutputOptions, ReconstructOptions
+
+app = App(
+    name="warpfluid",
+    help="Volumes of fire, smoke, explosions and splashes from one or a few videos.",
+    version=__version__,
+    suppress_keyboard_interrupt=False,
+)
+
+
+def _flags(options: type, title: str, order: int) -> type:
+    """Make the flags of an options class: all unset, with the defaults in the help."""
+    hints, made = get_type_hints(options, include_extras=True), []
+    for option in fields(options):
+        kind, text = get_args(hints[option.name])[:2]
+        default = False if option.default is None else lambda _, value=option.default: value
+        flag = Annotated[kind | None, Parameter(help=text, show_default=default)]
+        made.append((option.name, flag, field(default=None)))
+    flags = make_dataclass(f"{options.__name__}Flags", made, frozen=True, kw_only=True)
+    return Annotated[flags | None, Parameter(name="*", group=Group(title, sort_key=order))]
+
+
+InputFlags = _flags(InputOptions, "Footage", 1)
+MethodFlags = _flags(ReconstructOptions, "Method", 2)
+OutputFlags = _flags(OutputOptions, "Output", 3)
+
+FrontFlag = Annotated[str | None, Parameter(help="Footage of the front: the same as --view 0=FOOTAGE")]
+SideFlag = Annotated[str | None, Parameter(help="Footage of the right side: the same as --view 90=FOOTAGE")]
+PaperFlag = Annotated[bool, Parameter(negative=(), help="Make the paper's choices; other flags count on top")]
+ConfigFlag = Annotated[Path | None, Parameter(help="Take options from a run.toml; flags count on top")]
+ViewFlag = Annotated[
+    list[str] | None,
+    Parameter(
+        name=["--view"],
+        allow_leading_hyphen=True,
+        negative=(),
+        help="A view, ANGLE=FOOTAGE: a video, a folder, or a pattern such as front.####.png; once for every view",
+    ),
+]
+
+
+@Parameter(name="*", group=Group("Common", sort_key=9))
+@dataclass(frozen=True, kw_only=True)
+class Common:
+    """What most commands take."""
+
+    device: Annotated[str, Parameter(help="cpu, cuda:N, or auto: the first GPU if there is one")] = "auto"
+    json: Annotated[bool, Parameter(negative=(), help="Print the result as one JSON document")] = False
+    quiet: Annotated[bool, Parameter(name=["--quiet", "-q"], negative=(), help="Print nothing but the result")] = False
+    verbose: Annotated[bool, Parameter(name=["--verbose", "-v"], negative=(), help="Show errors whole")] = False
+
+
+@app.command
+def reconstruct(
+    *,
+    view: ViewFlag = None,
+    front: FrontFlag = None,
+    side: SideFlag = None,
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"], help="Folder of the run")] = None,
+    paper: PaperFlag = False,
+    config: ConfigFlag = None,
+    resume: Annotated[bool, Parameter(negative=(), help="Continue a run: frames that are there are kept")] = False,
+    overwrite: Annotated[bool, Parameter(negative=(), help="Delete an earlier run in the folder")] = False,
+    footage: InputFlags = None,
+    method: MethodFlags = None,
+    output: OutputFlags = None,
+    common: Common = Common(),  # noqa: B008
+) -> int:
+    """Make a volume sequence of the footage of one or more views."""
+    from warpfluid import commands
+
+    views = [*(view or []), *_named_views(front, side)]
+    settings = commands.make_settings(views, footage, method, output, paper=paper, config=config)
+    if out is None:
+        raise ValueError("no folder is given for the run: add -o FOLDER")
+    return commands.reconstruct(settings, out, resume=resume, overwrite=overwrite, common=common)
+
+
+@app.command
+def inspect(
+    *,
+    view: ViewFlag = None,
+    front: FrontFlag = None,
+    side: SideFlag = None,
+    picture: Annotated[Path | None, Parameter(help="Write a picture of the views around the box, .png")] = None,
+    paper: PaperFlag = False,
+    config: ConfigFlag = None,
+    footage: InputFlags = None,
+    method: MethodFlags = None,
+    common: Common = Common(),  # noqa: B008
+) -> int:
+    """Show what is understood of footage: sizes, frames, levels, agreement of the views, cost."""
+    from warpfluid import commands
+
+    views = [*(view or []), *_named_views(front, side)]
+    settings = commands.make_settings(views, footage, method, None, paper=paper, config=config)
+    return commands.inspect(settings, picture, common)
+
+
+@app.command
+def export(
+    run: Annotated[Path, Parameter(help="Folder of a run")],
+    *,
+    out: Annotated[Path, Parameter(name=["--out", "-o"], help="Folder to write to")],
+    format: Annotated[Literal["npz"], Parameter(help="npz: density (x, y, z), float32, y up, one file a frame")] = "npz",
+    frames: Annotated[str | None, Parameter(help="Frames to write, such as 1001-1024; all by default")] = None,
+    common: Common = Common(),  # noqa: B008
+) -> int:
+    """Write the volumes of a run in another format."""
+    from warpfluid import commands
+
+    return commands.export(run, out, format, frames, common)
+
+
+@app.command
+def demo(
+    *,
+    out: Annotated[Path, Parameter(name=["--out", "-o"], help="Folder of the run")] = Path("warpfluid-demo"),
+    common: Common = Common(),  # noqa: B008
+) -> int:
+    """Reconstruct a packaged fire from its front and its side: volumes, turntable and report."""
+    from warpfluid import commands
+
+    return commands.demo(out, common)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run a command and return its exit code."""
+    try:
+        return app(arguments, exit_on_error=False, result_action="return_value") or 0
+    except cyclopts.CycloptsError:
+        return 2
+    except KeyboardInterrupt:
+        print("stopped; a run continues with --resume", file=sys.stderr)
+        return 130
+    except (ValueError, OSError) as error:
+        if {"-v", "--verbose"} & set(sys.argv[1:] if arguments is None else arguments):
+            raise
+        lines = str(error).splitlines() or [type(error).__name__]
+        print("\n".join(f"error: {line}" for line in lines), file=sys.stderr)
+        return 2
+
+
+def _named_views(front: str | None, side: str | None) -> list[str]:
+    return [f"{angle}={path}" for angle, path in ((0, front), (90, side)) if path is not None]

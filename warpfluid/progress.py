@@ -1,0 +1,68 @@
+"""What a run says while it works, on stderr: a bar on a terminal, a line a frame elsewhere."""
+
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+from rich.progress import Progress as Bar
+
+
+class Progress:
+    """Lines and bars on stderr.
+
+    Args:
+        quiet: Say nothing.
+    """
+
+    def __init__(self, *, quiet: bool = False):
+        self._console = Console(stderr=True, quiet=quiet, highlight=False, soft_wrap=True)
+
+    def line(self, text: str) -> None:
+        """Say one line."""
+        self._console.print(text, markup=False)
+
+    @contextmanager
+    def frames(self, frames: Sequence[int], iterations: int) -> Iterator["FrameBar"]:
+        """Show the progress over some frames."""
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TimeRemainingColumn(),
+        )
+        show = self._console.is_terminal and not self._console.quiet and len(frames) > 0
+        with Bar(*columns, console=self._console, transient=True, disable=not show) as bar:
+            task = bar.add_task("frames", total=max(len(frames) * max(iterations, 1), 1))
+            yield FrameBar(self, bar, task, list(frames), max(iterations, 1))
+
+
+class FrameBar:
+    """The progress of a run: iterations of frames, with their energy."""
+
+    def __init__(self, progress: Progress, bar: Bar, task, frames: list[int], iterations: int):
+        self._progress, self._bar, self._task = progress, bar, task
+        self._frames, self._iterations = frames, iterations
+        self._begin, self._count = time.perf_counter(), 0
+
+    def iteration(self, frame: int, iteration: int, energy: float) -> None:
+        """Note that an iteration of a frame is done."""
+        done = self._frames.index(frame) * self._iterations + iteration
+        self._bar.update(self._task, completed=done, description=f"frame {frame}  energy {energy:.3g}")
+
+    def finished(self, record: dict) -> None:
+        """Note that a frame is done, or failed, and say how long the others will take."""
+        self._count += 1
+        left = (time.perf_counter() - self._begin) / self._count * (len(self._frames) - self._count)
+        self._bar.update(self._task, completed=self._count * self._iterations)
+        if "error" in record:
+            self._progress.line(f"frame   {record['frame']} failed: {record['error']}")
+            return
+        energies = record["energies"]
+        falls = f"energy {energies[0][0]:.3g} -> {energies[-1][-1]:.3g}, " if energies else ""
+        exact = min(record["input_psnr"])
+        self._progress.line(
+            f"frame   {record['frame']}  {record['seconds']:.1f} s, {falls}inputs {exact:.1f} dB, "
+            f"{record['file']}, {left:.0f} s left"
+        )

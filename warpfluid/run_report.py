@@ -1,0 +1,179 @@
+"""What a finished run shows: a turntable, and a page with pictures, energies and numbers."""
+
+import dataclasses
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from warpfluid.inspection import Inspection
+from warpfluid.kernels.launch import thread_count
+from warpfluid.metrics import appearance_distance
+from warpfluid.options import InputOptions, OutputOptions, ReconstructOptions
+from warpfluid.reconstruction.em import reconstruct
+from warpfluid.reconstruction.inputs import apply_shoulder
+from warpfluid.rendering.ramps import apply_ramp
+from warpfluid.rendering.turntable import render_turntable, slices_picture
+from warpfluid.report import FrameReport, InputReport, ReportData, write_report
+from warpfluid.run import Run, Settings, versions
+from warpfluid.shot import Shot
+from warpfluid.sources import spread
+from warpfluid.views import Views
+
+STILLS_DEG = tuple(range(0, 91, 15))
+SHOWN_FRAMES = 6
+SLICES = 6
+TURN_PICTURES = 120
+FILM_IN_PAGE = 60  # pictures of the film that the page carries
+LSM, OURS = "least squares", "appearance transfer"
+
+
+def write_film(run: Run, settings: Settings, path: Path) -> None:
+    """Film a run while the camera walks around it; a short one is repeated until the turn is full.
+
+    Args:
+        run: A run with at least one frame.
+        settings: Its settings.
+        path: The film, .mp4 or .webp.
+    """
+    from warpfluid.files.video import write_animation, write_video
+
+    write = write_video if path.suffix == ".mp4" else write_animation
+    write(path, _film(run, settings, TURN_PICTURES), 24.0)
+
+
+def report_run(
+    run: Run, shot: Shot, settings: Settings, inspection: Inspection, *, device=None, seconds: float | None = None
+) -> Path:
+    """Write the page of a run.
+
+    Args:
+        run: A run with at least one frame.
+        shot: Its footage.
+        settings: Its settings.
+        inspection: What the check of the footage found.
+        device: Where to compute the volumes of least squares.
+        seconds: Time the frames took.
+
+    Returns:
+        The page, ``report.html`` in the run's folder.
+    """
+    begin = time.perf_counter()
+    records = run.records()
+    shown = spread(tuple(records), SHOWN_FRAMES)
+    frames = [_frame(run, shot, settings, records[number], device) for number in shown]
+    film = np.stack(list(_film(run, settings, FILM_IN_PAGE)))
+    took = sum(record["seconds"] for record in records.values()) if seconds is None else seconds
+    made, defaults = _options(settings), _options(None)
+    data = ReportData(
+        title=run.folder.resolve().name,
+        subtitle=f"{len(records)} frames, {' x '.join(map(str, inspection.volume_size))} voxels (x, y, z)",
+        inputs=_inputs(shot, shown[len(shown) // 2]),
+        warnings=inspection.hints,
+        check=[line for line in inspection.lines() if not line.startswith("hint")],
+        frames=frames,
+        metrics=_means(frames),
+        turntable=film[:, :: _step(film), :: _step(film)],
+        rate=24.0 * FILM_IN_PAGE / TURN_PICTURES,
+        options=made,
+        defaults=defaults,
+        versions={**versions(), "CPU threads": thread_count(), "device": run.settings()["made-with"].get("device", "")},
+        timings={"frames": took, "film and report": time.perf_counter() - begin},
+    )
+    path = run.folder / "report.html"
+    write_report(path, data)
+    return path
+
+
+def _frame(run: Run, shot: Shot, settings: Settings, record: dict, device) -> FrameReport:
+    """Gather the pictures and numbers of a frame; least squares is quick and done again."""
+    views = shot.views(record["frame"])
+    least_squares = dataclasses.replace(settings.reconstruct, method="lsm")
+    volumes = {LSM: reconstruct(views, least_squares, device=device).volume}
+    if settings.reconstruct.method != "lsm":
+        volumes[OURS] = run.volume(record["frame"])
+    ours = volumes[OURS if OURS in volumes else LSM]
+    heights = np.linspace(0.1, 0.9, SLICES) * (ours.shape[2] - 1)
+    peak = float(np.quantile(ours[ours > 0], 0.999)) if (ours > 0).any() else 1.0
+    look = settings.output.look
+    return FrameReport(
+        number=record["frame"],
+        angles_deg=STILLS_DEG,
+        stills={name: render_turntable(v, STILLS_DEG, look) for name, v in volumes.items()},
+        slices={name: slices_picture(v, heights.astype(int), white=peak) for name, v in volumes.items()},
+        slices_white=peak,
+        energies=np.asarray(record["energies"]) if record["energies"] else None,
+        metrics=_numbers(volumes, views, settings.reconstruct),
+        seconds=record["seconds"],
+    )
+
+
+def _numbers(volumes: dict, views: Views, options: ReconstructOptions) -> dict[str, dict[str, float]]:
+    """Compare every method with the inputs, half-way between them, as distributions: there is no truth."""
+    from warpfluid.projector import Projector
+
+    if not (views.images > options.threshold).any(axis=(1, 2)).all():
+        return {}
+    angles = sorted(angle % 180 for angle in views.angles_deg)
+    angles = [*angles, angles[0] + 180]
+    unseen = [(a + b) / 2 for a, b in zip(angles, angles[1:], strict=False)]
+    references = [image.T[::-1] for image in views.images]
+    numbers = {}
+    for name, volume in volumes.items():
+        pictures = apply_shoulder(Projector(unseen, volume.shape).project(volume), options.shoulder)
+        rows = [appearance_distance(picture.T[::-1], references) for picture in pictures if picture.max() > 0]
+        if rows:
+            numbers[name] = {key: float(np.mean([row[key] for row in rows])) for key in rows[0]}
+    return numbers
+
+
+def _film(run: Run, settings: Settings, count: int) -> Iterator[np.ndarray]:
+    """Yield the pictures of a turn; frame i % n is seen in picture i."""
+    frames = list(run.records())
+    count = max(count, len(frames))
+    angles = np.arange(count) * 360.0 / count
+    if len(frames) == count:
+        for frame, angle in zip(frames, angles, strict=True):
+            yield render_turntable(run.volume(frame), [angle], settings.output.look)[0]
+        return
+    film = {}
+    for first, frame in enumerate(frames):
+        at = range(first, count, len(frames))
+        pictures = render_turntable(run.volume(frame), angles[first :: len(frames)], settings.output.look)
+        film.update(zip(at, pictures, strict=True))
+    for i in range(count):
+        yield film[i]
+
+
+def _inputs(shot: Shot, frame: int) -> list[InputReport]:
+    views = shot.views(frame)
+    pictures = apply_ramp(views.images.transpose(0, 2, 1)[:, ::-1], "gray")
+    rows = zip(shot.sources, pictures, strict=True)
+    return [InputReport(name=s.footage.source, angle_deg=s.angle_deg, picture=picture) for s, picture in rows]
+
+
+def _means(frames: list[FrameReport]) -> dict[str, dict[str, float]]:
+    """Return the mean of every number over the frames shown."""
+    totals: dict[str, dict[str, list[float]]] = {}
+    for frame in frames:
+        for method, numbers in frame.metrics.items():
+            for key, value in numbers.items():
+                totals.setdefault(method, {}).setdefault(key, []).append(value)
+    return {method: {key: float(np.mean(v)) for key, v in numbers.items()} for method, numbers in totals.items()}
+
+
+def _options(settings: Settings | None) -> dict[str, object]:
+    """Return all options in one table; the defaults without settings."""
+    parts = (
+        (settings.input, settings.reconstruct, settings.output)
+        if settings
+        else (InputOptions(), ReconstructOptions(), OutputOptions())
+    )
+    merged = {key: value for part in parts for key, value in dataclasses.asdict(part).items()}
+    return {key.replace("_", "-"): value for key, value in merged.items()}
+
+
+def _step(film: np.ndarray) -> int:
+    """Return by how much the film is thinned so that the page stays light."""
+    return max(1, film.shape[2] // 320)
