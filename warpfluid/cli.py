@@ -31,12 +31,14 @@ def _flags(options: type, title: str, order: int) -> type:
         flag = Annotated[kind | None, Parameter(help=text, show_default=default)]
         made.append((option.name, flag, field(default=None)))
     flags = make_dataclass(f"{options.__name__}Flags", made, frozen=True, kw_only=True)
-    return Annotated[flags | None, Parameter(name="*", group=Group(title, sort_key=order))]
+    flags.__module__ = __name__  # without a module of ours cyclopts takes it for one opaque value
+    return Annotated[flags, Parameter(name="*", group=Group(title, sort_key=order))]
 
 
 InputFlags = _flags(InputOptions, "Footage", 1)
 MethodFlags = _flags(ReconstructOptions, "Method", 2)
 OutputFlags = _flags(OutputOptions, "Output", 3)
+NO_INPUT, NO_METHOD, NO_OUTPUT = (get_args(flags)[0]() for flags in (InputFlags, MethodFlags, OutputFlags))
 
 FrontFlag = Annotated[str | None, Parameter(help="Footage of the front: the same as --view 0=FOOTAGE")]
 SideFlag = Annotated[str | None, Parameter(help="Footage of the right side: the same as --view 90=FOOTAGE")]
@@ -64,6 +66,9 @@ class Common:
     verbose: Annotated[bool, Parameter(name=["--verbose", "-v"], negative=(), help="Show errors whole")] = False
 
 
+COMMON = Common()
+
+
 @app.command
 def reconstruct(
     *,
@@ -75,10 +80,10 @@ def reconstruct(
     config: ConfigFlag = None,
     resume: Annotated[bool, Parameter(negative=(), help="Continue a run: frames that are there are kept")] = False,
     overwrite: Annotated[bool, Parameter(negative=(), help="Delete an earlier run in the folder")] = False,
-    footage: InputFlags = None,
-    method: MethodFlags = None,
-    output: OutputFlags = None,
-    common: Common = Common(),  # noqa: B008
+    footage: InputFlags = NO_INPUT,
+    method: MethodFlags = NO_METHOD,
+    output: OutputFlags = NO_OUTPUT,
+    common: Common = COMMON,
 ) -> int:
     """Make a volume sequence of the footage of one or more views."""
     from warpfluid import commands
@@ -99,9 +104,9 @@ def inspect(
     picture: Annotated[Path | None, Parameter(help="Write a picture of the views around the box, .png")] = None,
     paper: PaperFlag = False,
     config: ConfigFlag = None,
-    footage: InputFlags = None,
-    method: MethodFlags = None,
-    common: Common = Common(),  # noqa: B008
+    footage: InputFlags = NO_INPUT,
+    method: MethodFlags = NO_METHOD,
+    common: Common = COMMON,
 ) -> int:
     """Show what is understood of footage: sizes, frames, levels, agreement of the views, cost."""
     from warpfluid import commands
@@ -118,7 +123,7 @@ def export(
     out: Annotated[Path, Parameter(name=["--out", "-o"], help="Folder to write to")],
     format: Annotated[Literal["npz"], Parameter(help="npz: density (x, y, z), float32, y up, one file a frame")] = "npz",
     frames: Annotated[str | None, Parameter(help="Frames to write, such as 1001-1024; all by default")] = None,
-    common: Common = Common(),  # noqa: B008
+    common: Common = COMMON,
 ) -> int:
     """Write the volumes of a run in another format."""
     from warpfluid import commands
@@ -130,7 +135,7 @@ def export(
 def demo(
     *,
     out: Annotated[Path, Parameter(name=["--out", "-o"], help="Folder of the run")] = Path("warpfluid-demo"),
-    common: Common = Common(),  # noqa: B008
+    common: Common = COMMON,
 ) -> int:
     """Reconstruct a packaged fire from its front and its side: volumes, turntable and report."""
     from warpfluid import commands
