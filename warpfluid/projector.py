@@ -20,11 +20,13 @@ class Projector:
 
     Args:
         angles_deg: Angle of every view; t sees voxel (x, z) at u = x cos t + z sin t [degree].
-        shape: Shape of the volume (x, z, y); x and z are equally long.
+        shape: Shape of the volume (x, z, y).
         hull: 1 inside and 0 outside, shape (x, z, y). Back-projection is masked by it, and rays visit only the
             rows of the volume that it occupies, so a projected volume must be zero outside.
         footprint: ``box`` gives every voxel the same total in every view, ``joseph`` interpolates along rows.
         device: Where to compute; the hull's device, or else the first GPU there is.
+        width: Width of the images, and of the box that the views turn about; x's and z's length by default.
+        corner: Where in the box the volume begins (x, z), for a volume that is only a part of it.
 
     Raises:
         ValueError: If shapes, angles or the footprint make no sense.
@@ -38,16 +40,22 @@ class Projector:
         hull: wp.array | np.ndarray | None = None,
         footprint: str = "box",
         device: str | wp.Device | None = None,
+        width: int | None = None,
+        corner: tuple[int, int] = (0, 0),
     ):
         angles = np.asarray(angles_deg, np.float64).reshape(-1)
         if not angles.size or not np.isfinite(angles).all():
             raise ValueError(f"angles_deg is {angles_deg!r}, expected at least one finite angle")
-        if len(shape) != 3 or shape[0] != shape[1] or min(shape) < 1:
-            raise ValueError(f"shape is {tuple(shape)}, expected (x, z, y) with x and z equally long")
+        if len(shape) != 3 or min(shape) < 1 or (width is None and shape[0] != shape[1]):
+            raise ValueError(f"shape is {tuple(shape)}, expected (x, z, y) with x and z equally long, or a width")
         if footprint not in projection.FOOTPRINTS:
             raise ValueError(f"footprint is {footprint!r}, expected one of {', '.join(projection.FOOTPRINTS)}")
         self.angles_deg = tuple(float(angle) for angle in angles)
         self.shape = tuple(int(length) for length in shape)
+        self.width = int(width or shape[0])
+        self.corner = (int(corner[0]), int(corner[1]))
+        if any(not 0 <= c <= self.width - n for c, n in zip(self.corner, self.shape[:2], strict=True)):
+            raise ValueError(f"corner is {corner}: {tuple(shape)} voxels from there leave the box of {self.width}")
         self.footprint = footprint
         if device is None and isinstance(hull, wp.array):
             device = hull.device
@@ -56,12 +64,14 @@ class Projector:
         self._directions = directions(angles, self.device)
         self._weights = wp.full(angles.size, 1.0, dtype=float, device=self.device)
         self._occupied = visual_hull.occupied_runs(self.hull)
-        self._spans = projection.ray_spans(self._directions, self._occupied, self.shape[2])
+        self._spans = projection.ray_spans(
+            self._directions, self._occupied, self.shape[2], width=self.width, corner=self.corner
+        )
 
     @property
     def image_shape(self) -> tuple[int, int, int]:
         """Shape of the images: (angle, u, v)."""
-        return (len(self.angles_deg), self.shape[0], self.shape[2])
+        return (len(self.angles_deg), self.width, self.shape[2])
 
     def project(self, volume: Array, *, out: wp.array | None = None) -> Array:
         """Render a volume at every angle.
@@ -75,7 +85,9 @@ class Projector:
         """
         on_device = self._on_device(volume, "volume", self.shape)
         out = wp.empty(self.image_shape, dtype=float, device=self.device) if out is None else out
-        projection.project(on_device, self._directions, self._spans, footprint=self.footprint, out=out)
+        projection.project(
+            on_device, self._directions, self._spans, footprint=self.footprint, out=out, corner=self.corner
+        )
         return out.numpy() if isinstance(volume, np.ndarray) else out
 
     def backproject(
@@ -95,7 +107,14 @@ class Projector:
         out = wp.empty(self.shape, dtype=float, device=self.device) if out is None else out
         factors = self._weights if weights is None else wp.array(weights, dtype=float, device=self.device)
         projection.backproject(
-            on_device, self._directions, factors, self.hull, self._occupied, footprint=self.footprint, out=out
+            on_device,
+            self._directions,
+            factors,
+            self.hull,
+            self._occupied,
+            footprint=self.footprint,
+            out=out,
+            corner=self.corner,
         )
         return out.numpy() if isinstance(images, np.ndarray) else out
 

@@ -64,14 +64,18 @@ ALONG_COLUMN = (
 
 @wp.func_native(snippet=ACROSS_COLUMNS)
 def blur_across(
-    field: wp.array3d[float], taps: wp.array[float], axis: int, x: int, z: int, block: int, out: wp.array3d[float]
+    field: wp.array3d[float],
+    taps: wp.array[float],
+    axis: int,
+    x: int,
+    z: int,
+    block: int,
+    out: wp.array3d[float],
 ): ...
 
 
 @wp.func_native(snippet=ALONG_COLUMN)
-def blur_along(
-    field: wp.array3d[float], taps: wp.array[float], x: int, z: int, block: int, out: wp.array3d[float]
-): ...
+def blur_along(field: wp.array3d[float], taps: wp.array[float], x: int, z: int, block: int, out: wp.array3d[float]): ...
 
 
 @wp.kernel

@@ -139,9 +139,7 @@ def dot(a: wp.array3d[float], b: wp.array3d[float], *, weights: list[float] | No
     return float(sums.sum() if weights is None else (sums * weights).sum())
 
 
-def add_scaled(
-    a: wp.array, factor: float, b: wp.array, *, out: wp.array
-) -> wp.array:
+def add_scaled(a: wp.array, factor: float, b: wp.array, *, out: wp.array) -> wp.array:
     """Write a + factor b; ``out`` may be ``a`` or ``b``."""
     return _elementwise(add_scaled_kernel, [a, factor, b], out)
 

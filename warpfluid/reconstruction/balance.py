@@ -20,16 +20,15 @@ class Balancing:
 
     Args:
         images: Measured images, shape (view, u, v).
-        angles_deg: Their angles [degree].
-        hull: Visual hull, shape (x, z, y).
-        footprint: Footprint of a voxel.
+        projectors: A projector for each, of its angle alone, all with the same visual hull.
     """
 
-    def __init__(self, images: np.ndarray, angles_deg: tuple[float, ...], hull: wp.array, footprint: str):
-        self._views = [Projector([a], hull.shape, hull=hull, footprint=footprint) for a in angles_deg]
-        self._images = [wp.array(i[None], dtype=float, device=hull.device) for i in np.ascontiguousarray(images)]
-        self._seen = [view.backproject(_ones(view.image_shape, hull.device)) for view in self._views]
-        self._factor = wp.empty(hull.shape, dtype=float, device=hull.device)
+    def __init__(self, images: np.ndarray, projectors: list[Projector]):
+        device = projectors[0].device
+        self._views = projectors
+        self._images = [wp.array(i[None], dtype=float, device=device) for i in np.ascontiguousarray(images)]
+        self._seen = [view.backproject(_ones(view.image_shape, device)) for view in projectors]
+        self._factor = wp.empty(projectors[0].shape, dtype=float, device=device)
 
     def apply(self, volume: wp.array, sweeps: int, *, power: float = 1.0) -> wp.array:
         """Balance a volume in place.

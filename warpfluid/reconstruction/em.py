@@ -100,15 +100,15 @@ def reconstruct(
     if options.method == "appearance-transfer":
         volume = scene.start(initial) if start is None else scene.given_start(start / pixel)
         energies = scene.iterate(volume, progress)
-    volume = volume.numpy()
+    volume = inputs.whole(volume)
     if len(views.angles_deg) == 1 and options.stand_in == "measured":
         volume = _symmetric(volume, views.angles_deg[0])
     return Reconstruction(
         volume=volume * np.float32(pixel),
-        initial=initial.numpy() * np.float32(pixel),
+        initial=inputs.whole(initial) * np.float32(pixel),
         energies=energies,
         angles_deg=views.angles_deg,
-        hull_share=float(inputs.hull.numpy().mean()),
+        hull_share=float(inputs.hull.numpy().sum(dtype=np.float64) / volume.size),
     )
 
 
@@ -140,21 +140,20 @@ class Scene:
             volume = self._product(looks)
         if options.start_noise > 0:
             grain_y = options.noise_grain if options.noise_grain_y is None else options.noise_grain_y
-            noise = _noise(tuple(volume.shape), options.seed, options.noise_grain, grain_y)
+            noise = _noise(inputs.box, options.seed, options.noise_grain, grain_y)[inputs.part]
             factor = wp.array(np.exp(np.float32(options.start_noise) * noise), dtype=float, device=self.device)
             vectors.multiply(volume, factor, out=volume)
-            Balancing(looks, angles, inputs.hull, options.footprint).apply(volume, START_SWEEPS)
+            self._balancing(looks, angles).apply(volume, START_SWEEPS)
         return volume
 
     def given_start(self, volume: np.ndarray) -> wp.array:
         """Return a volume given from outside, inside the hull and balanced against the measured views."""
-        if volume.shape != tuple(self.inputs.hull.shape):
-            expected = tuple(self.inputs.hull.shape)
-            raise ValueError(f"start has shape {volume.shape}, expected {expected}: (x, z, y) of these views")
-        volume = wp.array(np.maximum(volume, 0), dtype=float, device=self.device)
+        if volume.shape != self.inputs.box:
+            raise ValueError(f"start has shape {volume.shape}, expected {self.inputs.box}: (x, z, y) of these views")
+        part = np.maximum(volume[self.inputs.part], 0)
+        volume = wp.array(part, dtype=float, device=self.device)
         vectors.multiply(volume, self.inputs.hull, out=volume)
-        measured = Balancing(self.measured_images, self.measured_angles, self.inputs.hull, self.options.footprint)
-        return measured.apply(volume, START_SWEEPS)
+        return self._balancing(self.measured_images, self.measured_angles).apply(volume, START_SWEEPS)
 
     def iterate(self, volume: wp.array, progress: Progress | None = None) -> np.ndarray:
         """Alternate M-step and E-step, changing the volume in place; return the energies, shape (iteration, 2)."""
@@ -188,7 +187,7 @@ class Scene:
         weights = np.ones(len(fan_deg))
         weights[self._at] = options.input_weight
         self._solver = LeastSquares(self._fan, weights=weights, ramp=options.preconditioner == "ramp")
-        self._balancing = Balancing(self.measured_images, self.measured_angles, inputs.hull, options.footprint)
+        self._balance = self._balancing(self.measured_images, self.measured_angles)
         self._scratch, self._share, self._cover, self._seen = (
             wp.zeros(self._fan.shape, dtype=float, device=self.device) for _ in range(4)
         )
@@ -219,7 +218,7 @@ class Scene:
             self._fade(volume, made)
         if options.slice_rescale:
             self._rescale_slices(volume)
-        self._balancing.apply(volume, options.balance, power=options.balance_power)
+        self._balance.apply(volume, options.balance, power=options.balance_power)
 
     def _fade(self, volume: wp.array, made: np.ndarray) -> None:
         """Fade voxels that most views show as black: the corners of the hull and the outlines they leave."""
@@ -249,7 +248,10 @@ class Scene:
         return vectors.multiply(front, scale, out=front)
 
     def _projector(self, angles_deg) -> Projector:
-        return Projector(angles_deg, self.inputs.hull.shape, hull=self.inputs.hull, footprint=self.options.footprint)
+        return self.inputs.projector(angles_deg, self.options.footprint)
+
+    def _balancing(self, images: np.ndarray, angles_deg: tuple[float, ...]) -> Balancing:
+        return Balancing(images, [self._projector([angle]) for angle in angles_deg])
 
 
 def default_angles(width: int) -> int:

@@ -1,4 +1,4 @@
-"""What the EM iteration is given: measured views, how unseen ones should look, the visual hull, a start.
+"""What the EM iteration is given: measured views, how unseen ones should look, the visual hull.
 
 A single view, the commonest case, needs a stand-in for the side. In the paper the front is copied to the side as a
 measurement, which makes the volume symmetric. Here the front alone is measured: the mirrored front says how the side
@@ -13,12 +13,13 @@ from scipy.ndimage import gaussian_filter1d
 
 from warpfluid.kernels.visual_hull import silhouette_hull
 from warpfluid.options import ReconstructOptions
-from warpfluid.projector import directions
+from warpfluid.projector import Projector, directions
 from warpfluid.views import Views
 
 BULK_CUT = 0.1  # share of a row's light left out at either end when its bulk is measured
 HULL_SMOOTHING = 8.0  # smoothing of the circles over heights [voxel]
 HULL_MARGIN = 1.5  # [voxel]
+CUT_MARGIN = 2  # around the extent of the hull [voxel]
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,8 @@ class Inputs:
         images: How the volume looks, measured views first, shape (view, u, v).
         angles_deg: Their angles.
         measured: How many of them are measurements.
-        hull: 1 inside and 0 outside, shape (x, z, y).
+        hull: 1 inside and 0 outside, shape (x, z, y), cut to the part of the box that it needs.
+        corner: Where in the box, which is as wide and deep as the images are wide, that part begins (x, z).
         side: A side view laid over the round hull, which only the start sees; None for several views.
         threshold: Grey level of the silhouette.
         black: Grey level up to which a made pixel is black.
@@ -39,6 +41,7 @@ class Inputs:
     angles_deg: tuple[float, ...]
     measured: int
     hull: wp.array
+    corner: tuple[int, int]
     side: np.ndarray | None
     threshold: float
     black: float
@@ -47,6 +50,27 @@ class Inputs:
     def row_sums(self) -> np.ndarray:
         """Light of every height, the same in all views of an emissive volume, shape (v,)."""
         return self.images[: self.measured].sum(axis=1).mean(axis=0)
+
+    @property
+    def part(self) -> tuple[slice, slice]:
+        """The part of the box that volumes cover, as indices of x and z."""
+        return tuple(slice(c, c + n) for c, n in zip(self.corner, self.hull.shape[:2], strict=True))
+
+    @property
+    def box(self) -> tuple[int, int, int]:
+        """Shape of the whole box (x, z, y)."""
+        return (self.images.shape[1], self.images.shape[1], self.images.shape[2])
+
+    def whole(self, volume: wp.array) -> np.ndarray:
+        """Return a volume in the whole box, shape (x, z, y)."""
+        out = np.zeros(self.box, np.float32)
+        out[self.part] = volume.numpy()
+        return out
+
+    def projector(self, angles_deg: tuple[float, ...], footprint: str) -> Projector:
+        """Return the projector of some angles inside the hull."""
+        place = {"corner": self.corner, "width": self.images.shape[1]}
+        return Projector(angles_deg, self.hull.shape, hull=self.hull, footprint=footprint, **place)
 
 
 def make_inputs(views: Views, options: ReconstructOptions, device: wp.Device) -> Inputs:
@@ -73,7 +97,9 @@ def make_inputs(views: Views, options: ReconstructOptions, device: wp.Device) ->
         side = None if side is None else stand_in[1]
     seen = images if side is None else images[:1]
     hull = _hull(seen, angles[: len(seen)], threshold, half_depth, device)
-    return Inputs(np.ascontiguousarray(images, np.float32), angles, measured, hull, side, threshold, black)
+    corner, hull = _cut(hull)
+    hull = wp.array(hull, dtype=float, device=device)
+    return Inputs(np.ascontiguousarray(images, np.float32), angles, measured, hull, corner, side, threshold, black)
 
 
 def undo_shoulder(grey: np.ndarray, strength: float) -> np.ndarray:
@@ -96,9 +122,9 @@ def _within_half_turn(images: np.ndarray, angles_deg: tuple[float, ...]) -> tupl
     return images, tuple(float(a - 180 * turn) for a, turn in zip(angles_deg, turns, strict=True))
 
 
-def _hull(images, angles_deg, threshold, half_depth, device) -> wp.array:
+def _hull(images, angles_deg, threshold, half_depth, device) -> np.ndarray:
     lit = wp.array((images > threshold).astype(np.uint8), dtype=wp.uint8, device=device)
-    hull = silhouette_hull(lit, directions(np.asarray(angles_deg), device))
+    hull = silhouette_hull(lit, directions(np.asarray(angles_deg), device)).numpy()
     if half_depth is None:
         return hull
     n = len(half_depth)
@@ -107,7 +133,19 @@ def _hull(images, angles_deg, threshold, half_depth, device) -> wp.array:
     across = np.clip(np.rint(x * np.cos(angle) + z * np.sin(angle) + (n - 1) / 2).astype(int), 0, n - 1)
     depth = np.abs(z * np.cos(angle) - x * np.sin(angle))
     inside = depth[..., None] <= half_depth[across] + 1e-6
-    return wp.array(hull.numpy() * inside, dtype=float, device=device)
+    return hull * inside
+
+
+def _cut(hull: np.ndarray) -> tuple[tuple[int, int], np.ndarray]:
+    """Cut a hull to its extent in x and z, with a margin for the blur; return where it begins, and the part."""
+    occupied = hull.any(axis=2)
+    ranges = []
+    for axis in (1, 0):
+        lit = np.flatnonzero(occupied.any(axis=axis))
+        low, high = (lit[0], lit[-1] + 1) if lit.size else (0, 1)
+        ranges.append((max(int(low) - CUT_MARGIN, 0), min(int(high) + CUT_MARGIN, len(hull))))
+    (x0, x1), (z0, z1) = ranges
+    return (x0, z0), np.ascontiguousarray(hull[x0:x1, z0:z1])
 
 
 def _circles(front: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
@@ -152,4 +190,3 @@ def _laid_over(picture: np.ndarray, centre: np.ndarray) -> np.ndarray:
 
 def _ratio(wanted: np.ndarray, found: np.ndarray) -> np.ndarray:
     return np.where(found > 1e-3, wanted / np.maximum(found, 1e-3), 0).astype(np.float32)
-

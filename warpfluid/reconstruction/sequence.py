@@ -43,9 +43,7 @@ def reconstruct_frames(
             yield {"frame": frame, "error": str(error)}
 
 
-def _reconstruct_frame(
-    shot: Shot, settings: Settings, run: Run, frame: int, device, progress: Progress | None
-) -> dict:
+def _reconstruct_frame(shot: Shot, settings: Settings, run: Run, frame: int, device, progress: Progress | None) -> dict:
     begin = time.perf_counter()
     views = shot.views(frame)
     report = (lambda iteration, energy: progress(frame, iteration, energy)) if progress else None
