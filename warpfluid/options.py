@@ -5,8 +5,15 @@ best volumes; ``ReconstructOptions.paper()`` sets everything to the paper's choi
 """
 
 import math
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from typing import Annotated, Literal, get_args, get_type_hints
+
+BRIGHT_FLAME = 1 / 3  # share of the lit pixels above grey level 200
+FLAME_SHOULDER = 3.5
+NOISE = (0.3, 2.0, 2.0)  # log-amplitude, grain across and along the height [voxel]
+FLAME_NOISE = (1.0, 3.0, 8.0)
+FEWEST_ANGLES = 180
+ANGLES_A_VOXEL = 0.25
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -16,9 +23,9 @@ class InputOptions:
     frames: Annotated[
         str | None, "Frames to use, such as 1001-1024, 1-100x2 or 1,5,9; all that every view has by default"
     ] = None
-    resolution: Annotated[
-        str | None, "Size of a picture, WIDTH or WIDTHxHEIGHT; larger footage is reduced to it"
-    ] = None
+    resolution: Annotated[str | None, "Size of a picture, WIDTH or WIDTHxHEIGHT; larger footage is reduced to it"] = (
+        None
+    )
     crop: Annotated[str | None, "Part of the picture to use, WIDTHxHEIGHT+LEFT+TOP in its pixels"] = None
     decode: Annotated[
         Literal["none", "srgb", "rec709"],
@@ -28,9 +35,7 @@ class InputOptions:
     background: Annotated[
         str | None, "Picture of the empty set to take off, or `median` for the median over the frames"
     ] = None
-    largest_component: Annotated[bool, "Keep the largest connected lit region only: sparks and props go"] = (
-        False
-    )
+    largest_component: Annotated[bool, "Keep the largest connected lit region only: sparks and props go"] = False
     white: Annotated[
         float | None,
         "Pixel value that becomes 255; by default full range for integer footage, the brightest pixel for float",
@@ -47,9 +52,9 @@ class InputOptions:
 class ReconstructOptions:
     """The reconstruction of Section 3."""
 
-    method: Annotated[
-        Literal["appearance-transfer", "lsm"], "appearance-transfer, or least squares alone (Eq. 3)"
-    ] = "appearance-transfer"
+    method: Annotated[Literal["appearance-transfer", "lsm"], "appearance-transfer, or least squares alone (Eq. 3)"] = (
+        "appearance-transfer"
+    )
     iterations: Annotated[int, "EM iterations; 5 serve for a preview"] = 8
     angles: Annotated[
         int | None,
@@ -68,13 +73,11 @@ class ReconstructOptions:
     input_weight: Annotated[float, "Weight of a measured view against a made one"] = 10.0
     non_negative: Annotated[bool, "Clip negative density after every solve"] = True
     row_sums: Annotated[bool, "Give made views the row sums of the measured ones"] = True
-    slice_rescale: Annotated[
-        bool, "Rescale every horizontal slice to the measured row sum after an E-step"
-    ] = False
+    slice_rescale: Annotated[bool, "Rescale every horizontal slice to the measured row sum after an E-step"] = False
     balance: Annotated[int, "Multiplicative sweeps that make the measured views exact after an E-step"] = 2
-    balance_power: Annotated[
-        float, "Exponent of the ratio in balancing, 0-1; lower is milder where views disagree"
-    ] = 1.0
+    balance_power: Annotated[float, "Exponent of the ratio in balancing, 0-1; lower is milder where views disagree"] = (
+        1.0
+    )
     fade: Annotated[float, "Share of black views at which a voxel has faded to nothing; 0 is off"] = 0.5
     fade_blur: Annotated[float, "Smoothing of that share [voxel]"] = 1.5
     # visual hull and start
@@ -84,16 +87,17 @@ class ReconstructOptions:
         "silhouette: what all views see; round: circles about one view's bulk; auto: round for one view",
     ] = "auto"
     hull_radius: Annotated[float, "Radius of the round hull over half the bulk's width"] = 1.45
-    start_noise: Annotated[float, "Log-amplitude of the noise in the initial volume; 0 is off"] = 0.3
-    noise_grain: Annotated[float, "Scale of that noise [voxel]"] = 2.0
+    start_noise: Annotated[
+        float | None,
+        "Log-amplitude of the initial volume's noise; 0 is off; 0.3 by default, 1 for one bright flame",
+    ] = None
+    noise_grain: Annotated[float | None, "Scale of that noise [voxel]; 2 by default, 3 for one bright flame"] = None
     noise_grain_y: Annotated[
-        float | None, "Its scale along the height; the same by default. Flames: 8 with grain 3 and noise 1"
+        float | None, "Its scale along the height; the same by default, 8 for one bright flame"
     ] = None
     seed: Annotated[int, "Seed of the noise, the same for all frames"] = 0
     # M-step
-    scales: Annotated[int | None, "Scales of the steerable pyramid; from the picture's size by default"] = (
-        None
-    )
+    scales: Annotated[int | None, "Scales of the steerable pyramid; from the picture's size by default"] = None
     interpolation: Annotated[
         Literal["density", "quantile", "hybrid", "nearest", "first"],
         "How histograms of neighbouring inputs mix: density is Eq. 4",
@@ -104,9 +108,9 @@ class ReconstructOptions:
         "One view: the side looks like the mirrored front, like the front, or is the front as a measurement (the paper's choice)",
     ] = "mirror"
     shoulder: Annotated[
-        float,
-        "Strength of a film-like tone curve to undo, 2 to 3.5 for flames with a flat white core; 0 is off",
-    ] = 0.0
+        float | None,
+        "Strength of a film-like tone curve to undo; 0 is off, the default; 3.5 for one view of a bright flame",
+    ] = None
 
     def __post_init__(self):
         check_options(self)
@@ -125,8 +129,35 @@ class ReconstructOptions:
             start_noise=0.0,
             hull="silhouette",
             stand_in="measured",
+            shoulder=0.0,
         )
         return replace(paper, **changes)
+
+    def settled(self, *, views: int, width: int, bright: float) -> "ReconstructOptions":
+        """Return the options with the choices made that depend on the footage.
+
+        One view of a flame whose core film has compressed to a flat white asks for a disc with a bright rim, crossed by
+        chords. Undoing the tone curve, and starting from longer and stronger noise, gives filaments instead.
+
+        Args:
+            views: Number of views.
+            width: Width of an image [pixel].
+            bright: Share of the lit pixels above grey level 200; the same for all frames of a shot, or it flickers.
+        """
+        shoulder = self.shoulder
+        if shoulder is None:
+            shoulder = FLAME_SHOULDER if views == 1 and bright > BRIGHT_FLAME else 0.0
+        noise, grain, grain_y = FLAME_NOISE if views == 1 and shoulder > 0 else NOISE
+        if self.noise_grain is not None:
+            grain = grain_y = self.noise_grain
+        return replace(
+            self,
+            shoulder=shoulder,
+            start_noise=noise if self.start_noise is None else self.start_noise,
+            noise_grain=grain,
+            noise_grain_y=grain_y if self.noise_grain_y is None else self.noise_grain_y,
+            angles=self.angles or max(FEWEST_ANGLES, math.ceil(ANGLES_A_VOXEL * width)),
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,20 +165,29 @@ class OutputOptions:
     """What is written for a frame and for the run."""
 
     half: Annotated[bool, "Store density in half precision: half the size, three digits"] = False
-    up: Annotated[
-        Literal["y", "z"], "Axis that points up in the files: y for Houdini and Maya, z for Blender"
-    ] = "y"
+    up: Annotated[Literal["y", "z"], "Axis that points up in the files: y for Houdini and Maya, z for Blender"] = "y"
     voxel_size: Annotated[float, "Edge of a voxel in the units of the scene"] = 0.01
     drop_below: Annotated[float, "Density not stored, as a part of the frame's maximum"] = 1e-4
-    look: Annotated[Literal["fire", "smoke", "gray", "jet"], "Colours of the turntable and the report"] = (
-        "fire"
-    )
+    look: Annotated[Literal["fire", "smoke", "gray", "jet"], "Colours of the turntable and the report"] = "fire"
     turntable: Annotated[bool, "Write turntable.mp4"] = True
     report: Annotated[bool, "Write report.html"] = True
 
     def __post_init__(self):
         check_options(self)
 
+
+PAPER = {
+    "angles": 180,
+    "preconditioner": "none",
+    "input_weight": 10.0,
+    "row_sums": False,
+    "slice_rescale": True,
+    "balance": 0,
+    "fade": 0.0,
+    "start_noise": 0.0,
+    "hull": "silhouette",
+    "stand_in": "measured",
+}
 
 RANGES = {
     "iterations": (0, 1000),
@@ -172,6 +212,15 @@ RANGES = {
     "voxel_size": (1e-9, 1e9),
     "drop_below": (0, 1),
 }
+
+
+FEWEST_ANGLES = 180
+ANGLES_A_VOXEL = 0.25  # of width; below 0.2 there are streaks
+
+
+def default_angles(width: int) -> int:
+    """Return how many views appearance is transferred to: 180, and more for volumes wider than 720 voxels."""
+    return max(FEWEST_ANGLES, math.ceil(ANGLES_A_VOXEL * width))
 
 
 def check_options(options) -> None:

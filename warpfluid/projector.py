@@ -122,7 +122,7 @@ class Projector:
     __matmul__ = project
 
     @property
-    def T(self) -> "Transpose":  # noqa: N802
+    def T(self) -> "Transpose":
         """The transpose: ``projector.T @ images`` back-projects."""
         return Transpose(self)
 

@@ -71,11 +71,13 @@ def blur_across(
     z: int,
     block: int,
     out: wp.array3d[float],
-): ...
+):
+    """Weigh a run of heights of neighbouring columns."""
 
 
 @wp.func_native(snippet=ALONG_COLUMN)
-def blur_along(field: wp.array3d[float], taps: wp.array[float], x: int, z: int, block: int, out: wp.array3d[float]): ...
+def blur_along(field: wp.array3d[float], taps: wp.array[float], x: int, z: int, block: int, out: wp.array3d[float]):
+    """Weigh neighbouring heights of a column."""
 
 
 @wp.kernel

@@ -62,7 +62,8 @@ VOXEL_SUM = (
     const int nz = volume.shape[1], heights = volume.shape[2], width = images.shape[1];"""
     + RUN_OF_HEIGHTS
     + """
-    const double middle = 0.5 * (width - 1), x_from_middle = x + corner[0] - middle, z_from_middle = z + corner[1] - middle;
+    const double middle = 0.5 * (width - 1);
+    const double x_from_middle = x + corner[0] - middle, z_from_middle = z + corner[1] - middle;
     float sum[RUN] = {};
     const int angles = occupied ? images.shape[0] : 0;
     for (int a = 0; a < angles; ++a) {
@@ -100,7 +101,8 @@ def ray_sum(
     u: int,
     block: int,
     images: wp.array3d[float],
-): ...
+):
+    """Add up the voxels along a ray."""
 
 
 @wp.func_native(snippet=VOXEL_SUM)
@@ -116,7 +118,8 @@ def voxel_sum(
     z: int,
     block: int,
     volume: wp.array3d[float],
-): ...
+):
+    """Add up the pixels that see a voxel."""
 
 
 @wp.kernel

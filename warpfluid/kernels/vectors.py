@@ -21,7 +21,8 @@ RUN_DOT = (
 
 
 @wp.func_native(snippet=RUN_DOT)
-def run_dot(a: wp.array3d[float], b: wp.array3d[float], row: int, column: int, block: int) -> wp.float64: ...
+def run_dot(a: wp.array3d[float], b: wp.array3d[float], row: int, column: int, block: int) -> wp.float64:
+    """Multiply and add a run of heights in float64."""
 
 
 @wp.kernel
@@ -41,7 +42,7 @@ def dot_kernel(
 
 @wp.kernel
 def add_scaled_kernel(a: wp.array[float], factor: float, b: wp.array[float], out: wp.array[float]):
-    """a + factor b."""
+    """Add a multiple."""
     i = wp.tid()
     out[i] = a[i] + factor * b[i]
 

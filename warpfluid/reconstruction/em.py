@@ -20,13 +20,12 @@ from warpfluid.options import ReconstructOptions
 from warpfluid.projector import Projector
 from warpfluid.reconstruction.appearance import AppearanceTransfer
 from warpfluid.reconstruction.balance import Balancing
-from warpfluid.reconstruction.inputs import Inputs, apply_shoulder, make_inputs
+from warpfluid.reconstruction.inputs import Inputs, make_inputs
 from warpfluid.reconstruction.lsm import LeastSquares, initial_volume
 from warpfluid.views import Views
 
 START_SWEEPS = 5
-FEWEST_ANGLES = 180
-ANGLES_A_VOXEL = 0.25
+BRIGHT = 200.0  # grey level
 
 Progress = Callable[[int, float], None]
 
@@ -87,7 +86,7 @@ def reconstruct(
     Raises:
         ValueError: If the start's shape differs or no pixel is lit.
     """
-    options = options or ReconstructOptions()
+    options = (options or ReconstructOptions()).settled(**footage_facts(views))
     device = pick_device(device)
     inputs = make_inputs(views, options, device)
     if not (inputs.images > inputs.threshold).any():
@@ -110,6 +109,14 @@ def reconstruct(
         angles_deg=views.angles_deg,
         hull_share=float(inputs.hull.numpy().sum(dtype=np.float64) / volume.size),
     )
+
+
+def footage_facts(views: Views) -> dict:
+    """Return what ``ReconstructOptions.settled`` needs to know of a frame."""
+    grey = views.images * (255 / views.white)
+    lit = grey > 1
+    bright = float((grey > BRIGHT).sum() / max(lit.sum(), 1))
+    return {"views": len(grey), "width": grey.shape[1], "bright": bright}
 
 
 class Scene:
@@ -139,8 +146,7 @@ class Scene:
             looks = np.stack([inputs.images[0], inputs.side])
             volume = self._product(looks)
         if options.start_noise > 0:
-            grain_y = options.noise_grain if options.noise_grain_y is None else options.noise_grain_y
-            noise = _noise(inputs.box, options.seed, options.noise_grain, grain_y)[inputs.part]
+            noise = _noise(inputs.box, options.seed, options.noise_grain, options.noise_grain_y)[inputs.part]
             factor = wp.array(np.exp(np.float32(options.start_noise) * noise), dtype=float, device=self.device)
             vectors.multiply(volume, factor, out=volume)
             self._balancing(looks, angles).apply(volume, START_SWEEPS)
@@ -176,9 +182,7 @@ class Scene:
 
     def _prepare(self) -> None:
         inputs, options = self.inputs, self.options
-        width, height = inputs.images.shape[1:]
-        count = options.angles or default_angles(width)
-        fan_deg, self._at = fan_angles(count, self.measured_angles)
+        fan_deg, self._at = fan_angles(options.angles, self.measured_angles)
         self._fan = self._projector(fan_deg)
         self._mask = self._fan.project(inputs.hull).numpy() > 0
         self._transfer = AppearanceTransfer(
@@ -254,11 +258,6 @@ class Scene:
         return Balancing(images, [self._projector([angle]) for angle in angles_deg])
 
 
-def default_angles(width: int) -> int:
-    """Return how many views appearance is transferred to: 180, and more for volumes wider than 720 voxels."""
-    return max(FEWEST_ANGLES, math.ceil(ANGLES_A_VOXEL * width))
-
-
 def fan_angles(count: int, measured_deg: tuple[float, ...]) -> tuple[tuple[float, ...], list[int]]:
     """Spread angles over half a turn so that the measured ones are among them.
 
@@ -307,8 +306,3 @@ def _empty(views: Views) -> Reconstruction:
     _, width, height = views.images.shape
     nothing = np.zeros((width, width, height), np.float32)
     return Reconstruction(nothing, nothing, np.zeros((0, 2)), views.angles_deg, 0.0)
-
-
-def encode_like_footage(images: np.ndarray, options: ReconstructOptions) -> np.ndarray:
-    """Return rendered ray sums as the footage shows them: with the tone curve that the run took off."""
-    return apply_shoulder(images, options.shoulder)

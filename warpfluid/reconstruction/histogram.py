@@ -52,7 +52,7 @@ def quantile_mixture(p: np.ndarray, r: np.ndarray, parts: np.ndarray, levels: np
 
 
 def hybrid_mixture(p: np.ndarray, r: np.ndarray, parts: np.ndarray, levels: np.ndarray) -> np.ndarray:
-    """Mix the share of black as mass and what is lit as quantiles; for intensities, shapes as in ``density_mixture``."""
+    """Mix the share of black as mass and what is lit as quantiles; shapes as in ``density_mixture``."""
     lit_p, lit_r = p[p > 0], r[r > 0]
     share_p, share_r = lit_p.size / p.size, lit_r.size / r.size
     out = np.zeros((len(parts), len(levels)), np.float32)
