@@ -5,7 +5,7 @@ best volumes; ``ReconstructOptions.paper()`` sets everything to the paper's choi
 """
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Annotated, Literal, get_args, get_type_hints
 
 BRIGHT_FLAME = 1 / 3  # share of the lit pixels above grey level 200
@@ -13,7 +13,7 @@ FLAME_SHOULDER = 3.5
 NOISE = (0.3, 2.0, 2.0)  # log-amplitude, grain across and along the height [voxel]
 FLAME_NOISE = (1.0, 3.0, 8.0)
 FEWEST_ANGLES = 180
-ANGLES_A_VOXEL = 0.25
+ANGLES_A_VOXEL = 0.25  # of width; below 0.2 there are streaks
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,7 +105,7 @@ class ReconstructOptions:
     # one view
     stand_in: Annotated[
         Literal["mirror", "front", "measured"],
-        "One view: the side looks like the mirrored front, like the front, or is the front as a measurement (the paper's choice)",
+        "One view: the side looks like the mirrored front, like the front, or is the front, measured (the paper)",
     ] = "mirror"
     shoulder: Annotated[
         float | None,
@@ -118,20 +118,7 @@ class ReconstructOptions:
     @classmethod
     def paper(cls, **changes) -> "ReconstructOptions":
         """Return the paper's choices, with ``changes`` on top."""
-        paper = cls(
-            angles=180,
-            preconditioner="none",
-            input_weight=10.0,
-            row_sums=False,
-            slice_rescale=True,
-            balance=0,
-            fade=0.0,
-            start_noise=0.0,
-            hull="silhouette",
-            stand_in="measured",
-            shoulder=0.0,
-        )
-        return replace(paper, **changes)
+        return cls(**PAPER | changes)
 
     def settled(self, *, views: int, width: int, bright: float) -> "ReconstructOptions":
         """Return the options with the choices made that depend on the footage.
@@ -156,7 +143,7 @@ class ReconstructOptions:
             start_noise=noise if self.start_noise is None else self.start_noise,
             noise_grain=grain,
             noise_grain_y=grain_y if self.noise_grain_y is None else self.noise_grain_y,
-            angles=self.angles or max(FEWEST_ANGLES, math.ceil(ANGLES_A_VOXEL * width)),
+            angles=self.angles or default_angles(width),
         )
 
 
@@ -187,6 +174,7 @@ PAPER = {
     "start_noise": 0.0,
     "hull": "silhouette",
     "stand_in": "measured",
+    "shoulder": 0.0,
 }
 
 RANGES = {
@@ -212,10 +200,6 @@ RANGES = {
     "voxel_size": (1e-9, 1e9),
     "drop_below": (0, 1),
 }
-
-
-FEWEST_ANGLES = 180
-ANGLES_A_VOXEL = 0.25  # of width; below 0.2 there are streaks
 
 
 def default_angles(width: int) -> int:
