@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from warpfluid import matting
+from warpfluid.errors import Problems
 from warpfluid.files.sequences import format_frames, parse_frames
 from warpfluid.options import InputOptions
 from warpfluid.sources import (
@@ -73,28 +74,11 @@ class Shot:
         return Views(images, self.angles_deg)
 
     def hashes(self) -> dict[str, str]:
-        """Return a SHA-256 of the footage of each view, by its name.
+        """Return a SHA-256 of the footage of each view, by its angle.
 
         It covers name, size, first and last megabyte of every file, to stay quick on long footage.
         """
-        return {source.name: file_hash(source.footage.paths) for source in self.sources}
-
-
-class Problems(list):
-    """Everything that is wrong with an input, so that one error can tell all of it."""
-
-    def attempt(self, function, *arguments, where: str = ""):
-        """Return what the function returns; on a ValueError or OSError note it, and return None."""
-        try:
-            return function(*arguments)
-        except (ValueError, OSError) as error:
-            self.append(f"{where}{error}")
-            return None
-
-    def raise_if_any(self) -> None:
-        """Raise one ValueError with a line for each problem."""
-        if self:
-            raise ValueError("\n".join(dict.fromkeys(self)))
+        return {f"{source.angle_deg:.15g}": file_hash(source.footage.paths) for source in self.sources}
 
 
 def open_shot(views: Sequence[str | tuple[float, str]], options: InputOptions | None = None) -> Shot:
