@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import warp as wp
-from scipy.ndimage import gaussian_filter1d
+from scipy.ndimage import distance_transform_edt, gaussian_filter1d, grey_opening
 
 from warpfluid.kernels.visual_hull import silhouette_hull
 from warpfluid.options import ReconstructOptions
@@ -165,19 +165,24 @@ def _circles(front: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
 def _half_depth(front: np.ndarray, threshold: float, centre: np.ndarray, radius: np.ndarray) -> np.ndarray:
     """How deep the hull reaches at each pixel, before and behind the middle, shape (u, v) [voxel].
 
-    A lit run of pixels outside the circle, such as a spark, gets a disc of its own.
+    A run of lit pixels that leaves the circle gets a disc of its own, where such runs persist over heights; a spark, or
+    the few rows in which one touches the flame, is only as deep as it is thick in the picture.
     """
-    u = np.arange(len(front))
-    half = np.sqrt(np.maximum(radius**2 - (u[:, None] - centre) ** 2, 0))
+    lit = front > threshold
+    u = np.arange(len(front))[:, None]
+    circle = np.sqrt(np.maximum(radius**2 - (u - centre) ** 2, 0))
+    discs = np.zeros(front.shape)
     for y in range(front.shape[1]):
-        edges = np.flatnonzero(np.diff(np.pad((front[:, y] > threshold).astype(np.int8), 1)))
+        edges = np.flatnonzero(np.diff(np.pad(lit[:, y].astype(np.int8), 1)))
         for a, b in zip(edges[::2], edges[1::2], strict=True):
             if a > centre[y] - radius[y] and b - 1 < centre[y] + radius[y]:
                 continue
             flat = min(1, radius[y] / ((b - a) / 2))
-            own = ((b - a) / 2 * flat + 1) ** 2 - ((u[a:b] - (a + b - 1) / 2) * flat) ** 2
-            half[a:b, y] = np.maximum(half[a:b, y], np.sqrt(np.maximum(own, 1)))
-    return half
+            own = ((b - a) / 2 * flat + 1) ** 2 - ((u[a:b, 0] - (a + b - 1) / 2) * flat) ** 2
+            discs[a:b, y] = np.sqrt(np.maximum(own, 1))
+    persistent = gaussian_filter1d(grey_opening(discs, (1, int(2 * HULL_SMOOTHING) + 1)), HULL_SMOOTHING / 4)
+    thickness = np.minimum(distance_transform_edt(lit), radius)
+    return np.maximum.reduce([circle, persistent, thickness])
 
 
 def _laid_over(picture: np.ndarray, centre: np.ndarray) -> np.ndarray:

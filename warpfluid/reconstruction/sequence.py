@@ -5,10 +5,12 @@ from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 
+from warpfluid.errors import describe
 from warpfluid.metrics import psnr
 from warpfluid.reconstruction.em import reconstruct
 from warpfluid.reconstruction.inputs import apply_shoulder
-from warpfluid.run import Run, Settings
+from warpfluid.run import Run
+from warpfluid.settings import Settings
 from warpfluid.shot import Shot
 
 Progress = Callable[[int, int, float], None]
@@ -27,7 +29,8 @@ def reconstruct_frames(
 
     Args:
         shot: The footage.
-        settings: The method and the form of the files.
+        settings: The method and the form of the files; choices left to the footage are made for the whole shot, or
+            the frames would flicker (``Inspection.options``).
         run: Where to write; begun already.
         device: Where to compute.
         frames: Which frames; all of the shot by default.
@@ -39,8 +42,8 @@ def reconstruct_frames(
     for frame in shot.frames if frames is None else frames:
         try:
             yield _reconstruct_frame(shot, settings, run, frame, device, progress)
-        except (ValueError, OSError) as error:
-            yield {"frame": frame, "error": str(error)}
+        except Exception as error:  # one frame must not end the run, whichever library gave up
+            yield {"frame": frame, "error": describe(error)}
 
 
 def _reconstruct_frame(shot: Shot, settings: Settings, run: Run, frame: int, device, progress: Progress | None) -> dict:
