@@ -3,7 +3,9 @@
 Exit codes: 0 done, 1 some frames failed (they are named), 2 the command or its input is wrong, 130 interrupted.
 """
 
+import os
 import sys
+import traceback
 from dataclasses import dataclass, field, fields, make_dataclass
 from pathlib import Path
 from typing import Annotated, Literal, get_args, get_type_hints
@@ -12,6 +14,7 @@ import cyclopts
 from cyclopts import App, Group, Parameter
 
 from warpfluid import __version__
+from warpfluid.errors import describe
 from warpfluid.options import InputOptions, OutputOptions, ReconstructOptions
 
 app = App(
@@ -22,13 +25,22 @@ app = App(
 )
 
 
+def _whole_number(_, tokens) -> int:
+    """Return a flag's number; without this cyclopts cuts 3.5 to 3 without a word."""
+    try:
+        return int(tokens[0].value)
+    except ValueError as error:
+        raise ValueError(f"{tokens[0].value!r} is not a whole number") from error
+
+
 def _flags(options: type, title: str, order: int) -> type:
     """Make the flags of an options class: all unset, with the defaults in the help."""
     hints, made = get_type_hints(options, include_extras=True), []
     for option in fields(options):
         kind, text = get_args(hints[option.name])[:2]
         default = False if option.default is None else lambda _, value=option.default: value
-        flag = Annotated[kind | None, Parameter(help=text, show_default=default)]
+        convert = _whole_number if int in (kind, *get_args(kind)) else None
+        flag = Annotated[kind | None, Parameter(help=text, show_default=default, converter=convert)]
         made.append((option.name, flag, field(default=None)))
     flags = make_dataclass(f"{options.__name__}Flags", made, frozen=True, kw_only=True)
     flags.__module__ = __name__  # without a module of ours cyclopts takes it for one opaque value
@@ -88,10 +100,12 @@ def reconstruct(
     """Make a volume sequence of the footage of one or more views."""
     from warpfluid import commands
 
-    views = [*(view or []), *_named_views(front, side)]
-    settings = commands.make_settings(views, footage, method, output, paper=paper, config=config)
     if out is None:
         raise ValueError("no folder is given for the run: add -o FOLDER")
+    if resume and config is None and (out / "run.toml").is_file():
+        config = out / "run.toml"  # what is not said again stays as it was
+    views = [*(view or []), *_named_views(front, side)]
+    settings = commands.make_settings(views, footage, method, output, paper=paper, config=config)
     return commands.reconstruct(settings, out, resume=resume, overwrite=overwrite, common=common)
 
 
@@ -121,7 +135,9 @@ def export(
     run: Annotated[Path, Parameter(help="Folder of a run")],
     *,
     out: Annotated[Path, Parameter(name=["--out", "-o"], help="Folder to write to")],
-    format: Annotated[Literal["npz"], Parameter(help="npz: density (x, y, z), float32, y up, one file a frame")] = "npz",
+    format: Annotated[
+        Literal["npz"], Parameter(help="npz: density (x, y, z), float32, y up, one file a frame")
+    ] = "npz",
     frames: Annotated[str | None, Parameter(help="Frames to write, such as 1001-1024; all by default")] = None,
     common: Common = COMMON,
 ) -> int:
@@ -143,21 +159,50 @@ def demo(
     return commands.demo(out, common)
 
 
+@app.command
+def doctor(*, common: Common = COMMON) -> int:
+    """Check the installation: versions, devices, kernel cache, video, windows."""
+    from warpfluid import commands
+
+    return commands.doctor(common)
+
+
 def main(arguments: list[str] | None = None) -> int:
-    """Run a command and return its exit code."""
+    """Run a command and return its exit code.
+
+    Args:
+        arguments: What follows ``warpfluid``; of the command line when omitted.
+    """
+    arguments = sys.argv[1:] if arguments is None else arguments
     try:
-        return app(arguments, exit_on_error=False, result_action="return_value") or 0
-    except cyclopts.CycloptsError:
-        return 2
-    except KeyboardInterrupt:
-        print("stopped; a run continues with --resume", file=sys.stderr)
+        return app(arguments, exit_on_error=False, print_error=False, result_action="return_value") or 0
+    except KeyboardInterrupt as stop:
+        print(str(stop) or "stopped", file=sys.stderr)
         return 130
-    except (ValueError, OSError) as error:
-        if {"-v", "--verbose"} & set(sys.argv[1:] if arguments is None else arguments):
-            raise
-        lines = str(error).splitlines() or [type(error).__name__]
-        print("\n".join(f"error: {line}" for line in lines), file=sys.stderr)
-        return 2
+    except BrokenPipeError:  # the reader of stdout had enough, as head does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except cyclopts.CycloptsError as error:
+        return _fail(_usage(error), 2)
+    except Exception as error:
+        if {"-v", "--verbose"} & set(arguments):
+            traceback.print_exc()
+        if isinstance(error, ValueError | OSError | MemoryError):
+            return _fail(describe(error), 2)
+        return _fail(f"{describe(error)}: a fault of warpfluid; please report it with what -v prints", 1)
+
+
+def _fail(message: str, code: int) -> int:
+    print("\n".join(f"error: {line}" for line in message.splitlines()), file=sys.stderr)
+    return code
+
+
+def _usage(error: cyclopts.CycloptsError) -> str:
+    """Return what is wrong with a command line, and the way out."""
+    if isinstance(error, cyclopts.UnusedCliTokensError):
+        rest = " ".join(error.unused_tokens or ())
+        return f"there is no place for {rest!r}: footage follows --view ANGLE=, --front or --side"
+    return str(error)
 
 
 def _named_views(front: str | None, side: str | None) -> list[str]:

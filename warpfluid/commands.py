@@ -1,97 +1,62 @@
 """What the commands do, once their flags are read."""
 
+import dataclasses
 import json
 import sys
-from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 
+from warpfluid.errors import Problems, describe
+from warpfluid.estimate import check_memory
 from warpfluid.files.sequences import format_frames, parse_frames
 from warpfluid.inspection import Inspection, inspect_shot, write_views_picture
-from warpfluid.options import InputOptions, OutputOptions, ReconstructOptions
-from warpfluid.run import Run, Settings, read_settings
-from warpfluid.shot import Problems, Shot, open_shot
-
-STREAKS = 0.2  # angles a voxel of width; below this the volumes have streaks
-
-
-def make_settings(views: list[str], footage, method, output, *, paper: bool = False, config: Path | None = None) -> Settings:
-    """Put settings together: flags first, then the configuration file, then the defaults.
-
-    Raises:
-        ValueError: If any value or name is wrong; one line each.
-    """
-    document = read_settings(config) if config else {}
-    problems = Problems()
-    make_method = ReconstructOptions.paper if paper else ReconstructOptions
-    parts = {
-        "input": (InputOptions, footage),
-        "reconstruct": (make_method, method),
-        "output": (OutputOptions, output),
-    }
-    made = {}
-    for name, (make, flags) in parts.items():
-        given = {k: v for k, v in asdict(flags).items() if v is not None} if flags else {}
-        values = document.get(name, {}) | given
-        made[name] = problems.attempt(lambda make=make, values=values: make(**values))
-    problems.raise_if_any()
-    return Settings(views=tuple(views or document.get("views", ())), **made)
+from warpfluid.progress import Progress
+from warpfluid.run import FILM, PAGE, Run
+from warpfluid.settings import Settings, make_settings
+from warpfluid.shot import Shot, open_shot
 
 
 def reconstruct(settings: Settings, out: Path, *, resume: bool, overwrite: bool, common) -> int:
     """Reconstruct a shot into a folder; return the exit code."""
     from warpfluid.device import pick_device
-    from warpfluid.progress import Progress
-    from warpfluid.reconstruction.sequence import reconstruct_frames
 
-    log = Progress(quiet=common.quiet)
-    shot = open_shot(settings.views, settings.input)
-    run = Run(out)
-    device = pick_device(common.device)
-    _check_every_frame(shot)
+    log, run, problems = Progress(quiet=common.quiet), Run(out), Problems()
+    problems.attempt(lambda: run.check_free(resume=resume, overwrite=overwrite))
+    device = problems.attempt(pick_device, common.device)
+    shot = problems.attempt(open_shot, settings.views, settings.input)
+    problems.raise_if_any()
+    _check_frames(shot, settings)
     inspection = inspect_shot(shot, settings.reconstruct)
-    for line in [*inspection.lines(), *_warnings(shot, settings)]:
-        log.line(line)
+    check_memory(inspection.memory_bytes, shot.size[0], device)
+    settings = dataclasses.replace(settings, reconstruct=inspection.options)
     facts = {"device": str(device), "inputs": shot.hashes()}
-    run.begin(settings, facts, resume=resume, overwrite=overwrite)
-    done = run.records() if resume else {}
+    done = run.begin(settings, facts, resume=resume, overwrite=overwrite)
+    for line in inspection.lines():
+        log.line(line)
     frames = [frame for frame in shot.frames if frame not in done]
     if len(frames) < len(shot.frames):
         log.line(f"resume  {len(shot.frames) - len(frames)} of {len(shot.frames)} frames are there")
-    failed, seconds = {}, sum(record["seconds"] for record in done.values())
-    with log.frames(frames, settings.reconstruct.iterations) as bar:
-        for record in reconstruct_frames(
-            shot, settings, run, device=device, frames=frames, progress=bar.iteration
-        ):
-            if "error" in record:
-                failed[record["frame"]] = record["error"]
-            else:
-                seconds += record["seconds"]
-            bar.finished(record)
-    _summarize(run, shot, settings, inspection, device, seconds, log)
+    failed = _reconstruct(run, shot, settings, frames, device, log)
+    failed |= _summarize(run, shot, settings, inspection, device, log)
     return _conclude(run, shot, failed, common)
 
 
 def inspect(settings: Settings, picture: Path | None, common) -> int:
     """Show what is understood of footage; return the exit code."""
     shot = open_shot(settings.views, settings.input)
+    _check_pictures(shot)
     inspection = inspect_shot(shot, settings.reconstruct)
     if picture:
         write_views_picture(picture, shot.views(shot.frames[len(shot.frames) // 2]))
-    if common.json:
-        print(json.dumps(inspection.to_dict(), indent=2))
-    else:
-        print("\n".join([*inspection.lines(), *_warnings(shot, settings)]))
+    print(json.dumps(inspection.to_dict(), indent=2) if common.json else "\n".join(inspection.lines()))
     return 0
 
 
 def export(folder: Path, out: Path, form: str, frames: str | None, common) -> int:
     """Write the volumes of a run in another format; return the exit code."""
-    from warpfluid.files.npz import write_npz
-
     run = Run(folder)
-    table = run.settings()
+    run.settings()
     there = tuple(run.records())
     wanted = tuple(parse_frames(frames)) if frames else there
     missing = sorted(set(wanted) - set(there))
@@ -99,15 +64,18 @@ def export(folder: Path, out: Path, form: str, frames: str | None, common) -> in
         have = format_frames(there) if there else "none"
         lacks = f"lacks frame {format_frames(missing)}" if missing else "has no finished frame"
         raise ValueError(f"{folder} {lacks} (it has {have}): reconstruct it first, or choose with --frames")
+    if out.exists() and not out.is_dir():
+        raise ValueError(f"{out} is a file: name a folder with -o")
     out.mkdir(parents=True, exist_ok=True)
-    written = []
+    written, failed = [], {}
     for frame in wanted:
-        path = out / f"density.{frame:04d}.{form}"
-        density = np.ascontiguousarray(run.volume(frame).transpose(0, 2, 1))
-        write_npz(path, density, voxel_size=table["output"]["voxel_size"], frame=frame)
-        written.append(str(path))
-    print(json.dumps({"files": written}) if common.json else "\n".join(written))
-    return 0
+        try:
+            written.append(str(_export_frame(run, frame, out / f"density.{frame:04d}.{form}")))
+        except (ValueError, OSError) as error:
+            failed[f"frame {frame}"] = describe(error)
+    result = json.dumps({"files": written, "failed": failed}) if common.json else "\n".join(written)
+    print(result)
+    return _name_failures(failed, "the others are written; mend these with reconstruct --resume")
 
 
 def demo(out: Path, common) -> int:
@@ -117,56 +85,115 @@ def demo(out: Path, common) -> int:
     with as_file(files("warpfluid") / "samples") as samples:
         views = [f"{angle}={samples / name}.####.png" for angle, name in ((0, "front"), (90, "side"))]
         settings = make_settings(views, None, None, None)
-        code = reconstruct(settings, out, resume=False, overwrite=(out / "run.toml").exists(), common=common)
+        code = reconstruct(settings, out, resume=False, overwrite=_is_demo(out, views), common=common)
     if code == 0 and not (common.json or common.quiet):
         print(
-            f"\nopen    {out / 'report.html'} and {out / 'turntable.mp4'}; "
-            f"{out / 'density.0001.vdb'} and its followers in Blender, Houdini or Maya\n"
+            f"\nopen    {out / PAGE} in a browser, {out / FILM} in a player\n"
+            f"        {Run(out).volume_path(1)} and the other frames in Blender, Houdini or Maya\n"
             "next    warpfluid inspect --front YOUR_CLIP.mp4\n"
             "        warpfluid reconstruct --front YOUR_CLIP.mp4 -o fire"
         )
     return code
 
 
-def _check_every_frame(shot: Shot) -> None:
+def doctor(common) -> int:
+    """Report on the installation and the machine; return the exit code."""
+    from warpfluid.doctor import examine, lines
+
+    found = examine()
+    print(json.dumps(found, indent=2) if common.json else "\n".join(lines(found)))
+    return 0
+
+
+def _check_frames(shot: Shot, settings: Settings) -> None:
+    """Refuse footage of unequal length, unless the frames were chosen, and footage with a damaged picture."""
+    spans = {(source.frames[0], source.frames[-1]) for source in shot.sources}
+    if len(spans) > 1 and settings.input.frames is None:
+        found = ", ".join(f"{source.name} has {format_frames(source.frames)}" for source in shot.sources)
+        way_out = f"--frames {format_frames(shot.frames)} uses what all of them have"
+        raise ValueError(f"the views have unequal frames ({found}): {way_out}")
+    _check_pictures(shot)
+
+
+def _check_pictures(shot: Shot) -> None:
     """Read every picture once, so that a damaged one is known before the long part."""
     problems = Problems()
     for frame in shot.frames:
-        problems.attempt(shot.views, frame)
+        for source in shot.sources:
+            problems.attempt(source.image, frame)
     problems.raise_if_any()
 
 
-def _warnings(shot: Shot, settings: Settings) -> list[str]:
-    angles, width = settings.reconstruct.angles, shot.size[0]
-    if angles and angles < STREAKS * width:
-        return [f"hint    {angles} angles are few for {width} pixels: streaks appear below {STREAKS * width:.0f}"]
-    return []
+def _reconstruct(run: Run, shot: Shot, settings: Settings, frames: list[int], device, log: Progress) -> dict[str, str]:
+    """Reconstruct frames; return what failed."""
+    from warpfluid.reconstruction.sequence import reconstruct_frames
+
+    failed, count = {}, 0
+    try:
+        with log.frames(frames, settings.reconstruct.iterations) as bar:
+            for record in reconstruct_frames(shot, settings, run, device=device, frames=frames, progress=bar.iteration):
+                if "error" in record:
+                    failed[f"frame {record['frame']}"] = record["error"]
+                count += 1
+                bar.finished(record)
+    except KeyboardInterrupt as stop:
+        there = f"stopped after {count} of {len(frames)} frames"
+        raise KeyboardInterrupt(f"{there}; to continue: warpfluid reconstruct -o {run.folder} --resume") from stop
+    return failed
 
 
-def _summarize(run: Run, shot: Shot, settings: Settings, inspection: Inspection, device, seconds: float, log) -> None:
-    """Write the turntable and the report of what is finished."""
+def _summarize(
+    run: Run, shot: Shot, settings: Settings, inspection: Inspection, device, log: Progress
+) -> dict[str, str]:
+    """Write the turntable and the report of what is finished; return what failed."""
     from warpfluid.run_report import report_run, write_film
 
-    if not run.records():
-        return
+    jobs = {}
     if settings.output.turntable:
-        log.line("film    turntable.mp4")
-        write_film(run, settings, run.folder / "turntable.mp4")
+        jobs[FILM] = lambda: write_film(run, settings, run.folder / FILM)
     if settings.output.report:
-        log.line("page    report.html")
-        report_run(run, shot, settings, inspection, device=device, seconds=seconds)
+        jobs[PAGE] = lambda: report_run(run, shot, settings, inspection, device=device)
+    failed = {}
+    for name, job in jobs.items() if run.records() else ():
+        log.line(f"write   {name}")
+        try:
+            job()
+        except (ValueError, OSError) as error:
+            failed[name] = describe(error)
+    return failed
 
 
-def _conclude(run: Run, shot: Shot, failed: dict[int, str], common) -> int:
+def _export_frame(run: Run, frame: int, path: Path) -> Path:
+    from warpfluid.files.npz import write_npz
+    from warpfluid.files.vdb import read_vdb
+
+    found = read_vdb(run.volume_path(frame), ["density"])
+    write_npz(path, np.ascontiguousarray(found.grids["density"]), voxel_size=found.voxel_size, frame=frame)
+    return path
+
+
+def _is_demo(folder: Path, views: list[str]) -> bool:
+    """Return whether a folder holds the demo, which may be repeated, and not work of the user."""
+    names = [Path(view).name for view in views]
+    try:
+        return [Path(view).name for view in Run(folder).settings().get("views", [])] == names
+    except ValueError:
+        return False
+
+
+def _conclude(run: Run, shot: Shot, failed: dict[str, str], common) -> int:
     """Print the result; return the exit code."""
-    records = run.records()
+    records = {frame: record for frame, record in run.records().items() if frame in shot.frames}
     if common.json:
-        result = {"folder": str(run.folder), "frames": list(records.values()), "failed": failed}
-        print(json.dumps(result))
+        print(json.dumps({"folder": str(run.folder), "frames": list(records.values()), "failed": failed}))
     else:
         print(f"{run.folder}: {len(records)} of {len(shot.frames)} frames")
-    for frame, error in failed.items():
-        print(f"error: frame {frame}: {error}", file=sys.stderr)
+    return _name_failures(failed, "what is not named here is whole; the same command with --resume tries again")
+
+
+def _name_failures(failed: dict[str, str], way_out: str) -> int:
+    for name, error in failed.items():
+        print(f"error: {name}: {error}", file=sys.stderr)
     if failed:
-        print("the others are whole; --resume tries these again", file=sys.stderr)
+        print(way_out, file=sys.stderr)
     return 1 if failed else 0

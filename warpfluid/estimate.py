@@ -1,8 +1,10 @@
 """What a reconstruction will cost, before it runs."""
 
+import os
+
 import numpy as np
 
-from warpfluid.options import ReconstructOptions
+from warpfluid.options import ReconstructOptions, default_angles
 
 HULL_WIDTH = 48  # voxels; the hull is a share, so a coarse one tells it
 BULK = 0.1  # share of a row's light outside its bulk, either side
@@ -11,8 +13,6 @@ SECONDS_A_RAY_STEP = 6.3e-11  # one projection or back-projection, by angle and 
 SECONDS_A_STATISTIC = 8e-8  # one M-step, by angle and pixel
 BYTES_A_VOXEL = 40
 BYTES_A_PIXEL = 24
-FEWEST_ANGLES = 60
-ANGLES_A_PIXEL = 180 / 271
 
 
 def hull_share(images: np.ndarray, angles_deg: tuple[float, ...], options: ReconstructOptions) -> float:
@@ -47,12 +47,48 @@ def estimate_cost(size: tuple[int, int], share: float, options: ReconstructOptio
         options: Iterations, angles and steps.
     """
     u, v = size
-    angles = options.angles or max(FEWEST_ANGLES, round(u * ANGLES_A_PIXEL))
+    angles = options.angles or default_angles(u)
     em = options.iterations if options.method == "appearance-transfer" else 0
     projections = 2 * options.lsm_steps + em * (2 + 2 * options.cg_steps + 2 * options.balance)
     seconds = projections * angles * u * u * v * SECONDS_A_RAY_STEP * max(share, 0.1)
     seconds += em * angles * u * v * SECONDS_A_STATISTIC
     return seconds, int(u * u * v * BYTES_A_VOXEL + angles * u * v * BYTES_A_PIXEL)
+
+
+def check_memory(needed: int, width: int, device) -> None:
+    """Refuse a reconstruction that the machine has no memory for.
+
+    Args:
+        needed: What ``estimate_cost`` found [byte].
+        width: Of an image [pixel].
+        device: Where it will run, a Warp device.
+
+    Raises:
+        ValueError: If the memory does not suffice; it names a width that would do.
+    """
+    there = device.total_memory if device.is_cuda else machine_memory()
+    if needed > there:
+        fits = int(width * (there / needed) ** (1 / 3))
+        raise ValueError(
+            f"the volumes need about {needed / 1e9:.2g} GB of memory, {device} has {there / 1e9:.2g} GB: "
+            f"reduce the footage, --resolution {fits} or less"
+        )
+
+
+def format_duration(seconds: float) -> str:
+    """Return a time as people say it: 4.2 s, 90 s, 12 min, 3.5 h."""
+    for unit, length in (("h", 3600), ("min", 60)):
+        if seconds >= 2 * length:
+            return f"{seconds / length:.2g} {unit}" if seconds < 100 * length else f"{seconds / length:.0f} {unit}"
+    return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
+
+
+def machine_memory() -> float:
+    """Return the memory of this machine [byte], without a limit where nothing tells."""
+    try:
+        return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    except (AttributeError, OSError, ValueError):  # not on Windows
+        return float("inf")
 
 
 def _round_hull(image: np.ndarray, angle: float, x: np.ndarray, z: np.ndarray, radius: float) -> np.ndarray:

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from warpfluid.estimate import estimate_cost, hull_share
+from warpfluid.estimate import estimate_cost, format_duration, hull_share
 from warpfluid.files.sequences import format_frames
 from warpfluid.matting import LIT
-from warpfluid.options import ReconstructOptions
+from warpfluid.options import BRIGHT_FLAME, ReconstructOptions
 from warpfluid.row_sums import Remedy, compare_row_sums
 from warpfluid.shot import Shot
 from warpfluid.sources import Source, spread
@@ -21,6 +21,7 @@ from warpfluid.views import Views
 INSPECTED_FRAMES = 64  # row sums are compared over these, from the middle of the shot
 LOOKED_AT_FRAMES = 8  # of these, for all that needs the pictures
 HARDLY = 0.35  # disagreement that only different scenes have, or backgrounds
+STREAKS = 0.2  # angles a voxel of width; below this the volumes have streaks
 WORTH = 0.1  # share of the disagreement that a remedy must take away to be advised
 
 
@@ -65,6 +66,7 @@ class Inspection:
     hull_share: float
     seconds_a_frame: float
     memory_bytes: int
+    options: ReconstructOptions  # with the choices made that depend on the footage
     notes: tuple[str, ...]
     hints: tuple[str, ...]
 
@@ -80,7 +82,8 @@ class Inspection:
             *(_pair_line(pair) for pair in self.pairs),
             f"volume  {x} x {y} x {z} voxels, {self.hull_share:.0%} of them inside the visual hull",
             f"frames  {self.frame_count} ({self.frames})",
-            f"needs   about {self.seconds_a_frame:.3g} s a frame on two CPU cores, "
+            f"needs   about {format_duration(self.seconds_a_frame)} a frame on two CPU cores, "
+            f"{format_duration(self.frame_count * self.seconds_a_frame)} in all, "
             f"{self.memory_bytes / 1e9:.2g} GB of memory",
             *(f"note    {note}" for note in self.notes),
             *(f"hint    {hint}" for hint in self.hints),
@@ -94,7 +97,7 @@ def inspect_shot(shot: Shot, options: ReconstructOptions | None = None) -> Inspe
         shot: Footage of one or more views.
         options: The reconstruction to estimate time and memory for.
     """
-    options = options or ReconstructOptions()
+    asked = options or ReconstructOptions()
     sums, images = _read(shot)
     views = tuple(_inspect_view(source, images[:, i]) for i, source in enumerate(shot.sources))
     reference_deg = shot.angles_deg[0]
@@ -103,6 +106,7 @@ def inspect_shot(shot: Shot, options: ReconstructOptions | None = None) -> Inspe
         for i, b in enumerate(shot.angles_deg)
         if i
     )
+    options = asked.settled(views=len(views), width=shot.size[0], bright=views[0].bright)
     share = float(np.mean([hull_share(image, shot.angles_deg, options) for image in images]))
     seconds, memory = estimate_cost(shot.size, share, options)
     return Inspection(
@@ -114,6 +118,7 @@ def inspect_shot(shot: Shot, options: ReconstructOptions | None = None) -> Inspe
         hull_share=share,
         seconds_a_frame=seconds,
         memory_bytes=memory,
+        options=options,
         notes=shot.notes,
         hints=tuple(_hints(views, pairs, share, options, shot.equalize_rows)),
     )
@@ -180,10 +185,12 @@ def _hints(views, pairs, share: float, options: ReconstructOptions, equalize_row
                 f"{name}: the empty part is at grey {view.background:.0f}, not black: "
                 f"try --black-level {level}, or --background with a picture of the empty set"
             )
-        if view.bright > 1 / 3 and options.shoulder == 0:
+        if view.bright > BRIGHT_FLAME:
+            advice = (
+                f"undone with --shoulder {options.shoulder:g}" if options.shoulder else "try --shoulder 2, up to 3.5"
+            )
             hints.append(
-                f"{name}: {view.bright:.0%} of the lit pixels lie above 200, a flat white core: "
-                "try --shoulder 2, up to 3.5"
+                f"{name}: {view.bright:.0%} of the lit pixels lie above 200, as a film's tone curve does: {advice}"
             )
         sides = [edge for edge in view.cut if edge in ("left", "right")]
         if sides:
@@ -195,9 +202,11 @@ def _hints(views, pairs, share: float, options: ReconstructOptions, equalize_row
         hints += _pair_hints(pair, equalize_rows)
     if share > 0.6:
         hints.append(
-            f"the visual hull fills {share:.0%} of the box: mostly background is lit; try --black-level or "
-            "--background"
+            f"the visual hull fills {share:.0%} of the box: mostly background is lit; try --black-level or --background"
         )
+    few = STREAKS * views[0].size[0]
+    if options.angles < few:
+        hints.append(f"{options.angles} angles are few for {views[0].size[0]} pixels: streaks appear below {few:.0f}")
     return hints
 
 

@@ -8,6 +8,8 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
+from warpfluid.estimate import format_duration
+
 
 class Progress:
     """Lines and bars on stderr.
@@ -64,5 +66,5 @@ class FrameBar:
         exact = min(record["input_psnr"])
         self._progress.line(
             f"frame   {record['frame']}  {record['seconds']:.1f} s, {falls}inputs {exact:.1f} dB, "
-            f"{record['file']}, {left:.0f} s left"
+            f"{record['file']}" + (f", {format_duration(left)} left" if left else "")
         )

@@ -5,48 +5,25 @@ versions, device, hashes of the footage), ``frames.jsonl`` (a record for each fi
 turntable and a report. Every file is written under another name and renamed, so whatever has its name is whole.
 """
 
-import dataclasses
 import json
 import os
 import platform
-import tomllib
-from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 
 from warpfluid import __version__
+from warpfluid.errors import describe
 from warpfluid.files.atomic import replacing
 from warpfluid.files.vdb import lost_mass, read_vdb, write_vdb
-from warpfluid.options import InputOptions, OutputOptions, ReconstructOptions
+from warpfluid.files.vdb.layout import CREATOR
+from warpfluid.options import OutputOptions
+from warpfluid.settings import Settings, check_same, join_frames, read_settings
 
-SETTINGS, RECORDS = "run.toml", "frames.jsonl"
-SECTIONS = {"input": InputOptions, "reconstruct": ReconstructOptions, "output": OutputOptions}
+SETTINGS, RECORDS, FILM, PAGE = "run.toml", "frames.jsonl", "turntable.mp4", "report.html"
+VOLUMES = "density.*.vdb"
 PACKAGES = ("warp-lang", "numpy", "scipy", "scikit-image", "OpenEXR", "av")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Settings:
-    """Everything that decides what a run makes.
-
-    Attributes:
-        views: ``ANGLE=PATH`` of every view.
-        input: How pictures become images.
-        reconstruct: The method.
-        output: What is written.
-    """
-
-    views: tuple[str, ...]
-    input: InputOptions
-    reconstruct: ReconstructOptions
-    output: OutputOptions
-
-    def to_dict(self) -> dict:
-        """Return plain tables; options that are None are left out, as TOML has no such value."""
-        tables = {name: dataclasses.asdict(getattr(self, name)) for name in SECTIONS}
-        tables = {name: {k: v for k, v in table.items() if v is not None} for name, table in tables.items()}
-        return {"views": list(self.views), **tables}
 
 
 class Run:
@@ -65,19 +42,24 @@ class Run:
 
     def records(self) -> dict[int, dict]:
         """Return the record of every finished frame whose volume is there, by frame, ascending."""
-        path, found = self.folder / RECORDS, {}
-        if path.exists():
-            for line in path.read_text("utf-8").splitlines():
-                try:
-                    record = json.loads(line)
-                except json.JSONDecodeError:  # the run was stopped while it wrote this line
-                    continue
-                if self.volume_path(record["frame"]).exists():
-                    found[record["frame"]] = record
-        return dict(sorted(found.items()))
+        found = {record["frame"]: record for record in self._all_records()}
+        return {frame: found[frame] for frame in sorted(found) if self.volume_path(frame).exists()}
+
+    def is_whole(self, frame: int) -> bool:
+        """Return whether the volume of a frame is there and, by its checksum, undamaged."""
+        try:
+            facts = read_vdb(self.volume_path(frame), ["density"]).metadata
+        except (ValueError, OSError):
+            return False
+        return facts.get("creator") == CREATOR and facts.get("frame") == frame
 
     def volume(self, frame: int) -> np.ndarray:
-        """Return the volume of a frame, shape (x, z, y)."""
+        """Return the volume of a frame, shape (x, z, y).
+
+        Raises:
+            ValueError: If its file is damaged.
+            OSError: If it cannot be read.
+        """
         return np.ascontiguousarray(read_vdb(self.volume_path(frame), ["density"]).grids["density"].transpose(0, 2, 1))
 
     def settings(self) -> dict:
@@ -86,33 +68,65 @@ class Run:
         Raises:
             ValueError: If the folder is no run.
         """
+        if not (self.folder / SETTINGS).is_file():
+            raise ValueError(f"{self.folder} is no run, there is no {SETTINGS} in it: name a folder of reconstruct -o")
         return read_settings(self.folder / SETTINGS)
 
-    def begin(self, settings: Settings, facts: dict, *, resume: bool, overwrite: bool) -> None:
-        """Make the folder and write ``run.toml``, or check that an old one can be continued.
+    def check_free(self, *, resume: bool = False, overwrite: bool = False) -> None:
+        """Check, without making it, that the folder can take a run.
+
+        Args:
+            resume: An earlier run may be there.
+            overwrite: The same, and stray volumes.
+
+        Raises:
+            ValueError: If it cannot.
+        """
+        if resume and overwrite:
+            raise ValueError("--resume keeps an earlier run and --overwrite deletes it: choose one of them")
+        nearest = next(path for path in (self.folder, *self.folder.absolute().parents) if path.exists())
+        if not nearest.is_dir():
+            raise ValueError(f"{self.folder} cannot be a folder, {nearest} is a file: choose another one with -o")
+        if not os.access(nearest, os.W_OK | os.X_OK):
+            raise ValueError(f"{nearest} is write-protected: choose another folder with -o")
+        there = (self.folder / SETTINGS).exists()
+        if there and not (resume or overwrite):
+            raise ValueError(
+                f"{self.folder} holds a run already: continue it with --resume, or use --overwrite or another -o"
+            )
+        if not (there or overwrite) and any(self.folder.glob(VOLUMES)):
+            raise ValueError(f"{self.folder} holds volumes of another origin, {VOLUMES}: choose another folder with -o")
+
+    def begin(self, settings: Settings, facts: dict, *, resume: bool = False, overwrite: bool = False) -> dict:
+        """Make the folder and write ``run.toml``, or check that an old run can be continued.
 
         Args:
             settings: What decides the result.
-            facts: What else to note: device, hashes of the footage.
+            facts: What else to note: device, hashes of the footage as ``inputs``.
             resume: Continue a run of the same settings.
-            overwrite: Delete the volumes and records of an earlier run.
+            overwrite: Delete an earlier run.
+
+        Returns:
+            The records of the frames that are there and whole, by frame; none without ``resume``.
 
         Raises:
-            ValueError: If there is a run already, or the one to resume differs.
+            ValueError: If the folder is taken, or the run to resume differs.
             OSError: If the folder cannot be written.
         """
-        path = self.folder / SETTINGS
-        if path.exists() and not (resume or overwrite):
-            raise ValueError(f"{self.folder} holds a run already: continue it with --resume, or use --overwrite or another -o")
-        if path.exists() and resume:
-            self._check_same(settings, facts)
-        self.folder.mkdir(parents=True, exist_ok=True)
-        if overwrite and path.exists():
-            for frame in self.records():
-                self.volume_path(frame).unlink(missing_ok=True)
-            (self.folder / RECORDS).unlink(missing_ok=True)
+        self.check_free(resume=resume, overwrite=overwrite)
         document = {**settings.to_dict(), "made-with": {**versions(), **facts}}
-        _write_toml(path, document)
+        there = (self.folder / SETTINGS).exists()
+        if there and resume:
+            old = self.settings()
+            check_same(self.folder, old, document)
+            join_frames(old, document)
+        self._make_folder()
+        if there and overwrite:
+            for path in (*self.folder.glob(VOLUMES), *(self.folder / name for name in (RECORDS, FILM, PAGE))):
+                path.unlink(missing_ok=True)
+        kept = self._keep_whole() if resume else {}
+        _write_toml(self.folder / SETTINGS, document)
+        return kept
 
     def write_frame(self, frame: int, density: np.ndarray, output: OutputOptions, record: dict) -> dict:
         """Write a frame's volume, then its record.
@@ -125,11 +139,17 @@ class Run:
 
         Returns:
             The whole record.
+
+        Raises:
+            OSError: If a file cannot be written.
         """
+        path = self.volume_path(frame)
+        for left in self.folder.glob(f".{path.name}.*.tmp"):  # of a run that was killed while it wrote this frame
+            left.unlink(missing_ok=True)
         threshold = output.drop_below * float(density.max())
         size, width, depth = output.voxel_size, density.shape[0], density.shape[1]
         write_vdb(
-            self.volume_path(frame),
+            path,
             {"density": density.transpose(0, 2, 1)},
             voxel_size=size,
             origin=(-(width - 1) / 2 * size, 0.5 * size, -(depth - 1) / 2 * size),
@@ -139,68 +159,54 @@ class Run:
             metadata={"frame": frame},
         )
         lost = lost_mass(density, threshold)
-        record = {"frame": frame, "file": self.volume_path(frame).name, **record, "mass_dropped": lost}
-        with (self.folder / RECORDS).open("a", encoding="utf-8") as file:
-            file.write(json.dumps(record) + "\n")
-            file.flush()
-            os.fsync(file.fileno())
+        record = {"frame": frame, "file": path.name, **record, "mass_dropped": lost}
+        self._append(json.dumps(record, allow_nan=False))
         return record
 
-    def _check_same(self, settings: Settings, facts: dict) -> None:
-        old, new = self.settings(), settings.to_dict()
-        changed = []
-        for name in ("views", "reconstruct", "input", "output"):
-            before, after = old.get(name, {}), new[name]
-            if name == "views":
-                changed += ["views"] if before != after else []
+    def _make_folder(self) -> None:
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            reason = describe(OSError(error.errno, error.strerror))
+            raise OSError(f"{self.folder} cannot be made ({reason}): choose another folder with -o") from error
+
+    def _all_records(self) -> list[dict]:
+        """Return the records in the order of the file, without lines that are none."""
+        path = self.folder / RECORDS
+        records = []
+        for line in path.read_bytes().splitlines() if path.exists() else ():
+            try:
+                record = json.loads(line)
+                records += [record] if isinstance(record["frame"], int) else []
+            except (ValueError, KeyError, TypeError):  # the run was stopped while it wrote this line
                 continue
-            for key in sorted({*before, *after} - {"frames", "turntable", "report", "look"}):
-                if before.get(key) != after.get(key):
-                    changed.append(f"{key} (was {before.get(key)}, now {after.get(key)})")
-        before = old.get("made-with", {}).get("inputs", {})
-        changed += [f"footage {name}" for name, hash_ in facts.get("inputs", {}).items() if before.get(name, hash_) != hash_]
-        if changed:
-            raise ValueError(
-                f"{self.folder} was made with other settings: {', '.join(changed)}; "
-                "use the same ones, or --overwrite, or another -o"
-            )
+        return records
 
+    def _keep_whole(self) -> dict[int, dict]:
+        """Drop the records of frames that are missing or damaged, and return the others."""
+        records, path = self.records(), self.folder / RECORDS
+        kept = {frame: record for frame, record in records.items() if self.is_whole(frame)}
+        lines = "".join(json.dumps(record) + "\n" for record in kept.values()).encode()
+        if path.exists() and path.read_bytes() != lines:
+            with replacing(path) as file:
+                file.write(lines)
+        return kept
 
-def read_settings(path: str | Path) -> dict:
-    """Read ``run.toml`` or a configuration file and check its names.
-
-    Raises:
-        ValueError: If it is no TOML, or names something unknown.
-    """
-    import difflib
-
-    try:
-        document = tomllib.loads(Path(path).read_text("utf-8"))
-    except OSError as error:
-        raise ValueError(f"{path}: {error.strerror or error}; it should be a configuration or run.toml") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ValueError(f"{path} is not TOML: {error}") from error
-    problems = []
-    for name, table in document.items():
-        if name not in (*SECTIONS, "views", "made-with"):
-            problems.append(f"{path}: unknown section [{name}], expected views, {', '.join(f'[{s}]' for s in SECTIONS)}")
-        elif name in SECTIONS and not isinstance(table, dict):
-            problems.append(f"{path}: {name} is {table!r}, expected a table [{name}]")
-        elif name in SECTIONS:
-            known = [field.name for field in dataclasses.fields(SECTIONS[name])]
-            for key in set(table) - set(known):
-                near = difflib.get_close_matches(key, known, 1)
-                hint = f", did you mean {near[0]}?" if near else f"; it has {', '.join(known)}"
-                problems.append(f"{path}: [{name}] has no option {key!r}{hint}")
-    if problems:
-        raise ValueError("\n".join(problems))
-    return document
+    def _append(self, line: str) -> None:
+        """Add a line to the records, on a line of its own even after half a line."""
+        with (self.folder / RECORDS).open("a+b") as file:
+            file.seek(max(file.seek(0, os.SEEK_END) - 1, 0))
+            half = file.read(1) not in (b"", b"\n")
+            file.write(b"\n" * half + line.encode() + b"\n")  # in one piece: others may append, too
+            file.flush()
+            os.fsync(file.fileno())
 
 
 def versions() -> dict[str, str]:
     """Return the versions of what takes part, and the machine."""
     found = {name: version(name) for name in PACKAGES}
-    return {"warpfluid": __version__, **found, "python": platform.python_version(), "system": f"{platform.system()} {platform.machine()}"}
+    machine = f"{platform.system()} {platform.machine()}"
+    return {"warpfluid": __version__, **found, "python": platform.python_version(), "system": machine}
 
 
 def _write_toml(path: Path, document: dict) -> None:
@@ -208,4 +214,3 @@ def _write_toml(path: Path, document: dict) -> None:
 
     with replacing(path) as file:
         tomli_w.dump(document, file)
-
