@@ -19,7 +19,7 @@ _HOMES = {
     "OutputOptions": "warpfluid.options",
     "Projector": "warpfluid.projector",
     "ReconstructOptions": "warpfluid.options",
-    "Reconstruction": "warpfluid.reconstruction.em",
+    "Reconstruction": "warpfluid.reconstruction.result",
     "Run": "warpfluid.run",
     "Views": "warpfluid.views",
     "compare_pictures": "warpfluid.metrics",

@@ -5,10 +5,8 @@ transfers the appearance of the inputs to the pictures, and the E-step fits the 
 (Eq. 1), the squared difference between rendered and modified pictures, is recorded after each half-step.
 """
 
-import functools
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 import warp as wp
@@ -17,50 +15,17 @@ from warpfluid.device import pick_device
 from warpfluid.kernels import vectors
 from warpfluid.kernels.blur import blur
 from warpfluid.options import ReconstructOptions
-from warpfluid.projector import Projector
 from warpfluid.reconstruction.appearance import AppearanceTransfer
 from warpfluid.reconstruction.balance import Balancing
 from warpfluid.reconstruction.inputs import Inputs, make_inputs
-from warpfluid.reconstruction.lsm import LeastSquares, initial_volume
+from warpfluid.reconstruction.lsm import LeastSquares
+from warpfluid.reconstruction.result import Reconstruction
+from warpfluid.reconstruction.start import given_start, least_squares, rough_start
 from warpfluid.views import Views
 
-START_SWEEPS = 5
 BRIGHT = 200.0  # grey level
 
 Progress = Callable[[int, float], None]
-
-
-@dataclass(frozen=True)
-class Reconstruction:
-    """A volume and how it came about.
-
-    Attributes:
-        volume: Density, shape (x, z, y); its ray sums are pixel values of linear light.
-        initial: The volume of least squares alone (Eq. 3), for comparison.
-        energies: Eq. 1 after the M-step and after the E-step of every iteration, shape (iteration, 2).
-        angles_deg: Angles of the measured views.
-        hull_share: Part of the box that the visual hull fills.
-    """
-
-    volume: np.ndarray
-    initial: np.ndarray
-    energies: np.ndarray
-    angles_deg: tuple[float, ...]
-    hull_share: float
-
-    def render(self, angles_deg) -> np.ndarray:
-        """Render the volume at some angles; ray sums, shape (angle, u, v)."""
-        return Projector(angles_deg, self.volume.shape, device="cpu").project(self.volume)
-
-    @property
-    def density(self) -> np.ndarray:
-        """The volume in the order that files have, (x, y, z)."""
-        return self.volume.transpose(0, 2, 1)
-
-    def __repr__(self) -> str:
-        x, z, y = self.volume.shape
-        falls = f"{self.energies[0, 0]:.3g} -> {self.energies[-1, -1]:.3g}" if len(self.energies) else "none"
-        return f"Reconstruction({x} x {y} x {z} voxels, hull {self.hull_share:.0%}, energy {falls})"
 
 
 def reconstruct(
@@ -92,13 +57,12 @@ def reconstruct(
     if not (inputs.images > inputs.threshold).any():
         return _empty(views)
     pixel = views.white / 255
-    scene = Scene(inputs, options, device)
-    initial = scene.least_squares()
-    energies = np.zeros((0, 2))
-    volume = initial
+    initial = least_squares(inputs, options)
+    volume, energies = initial, np.zeros((0, 2))
     if options.method == "appearance-transfer":
-        volume = scene.start(initial) if start is None else scene.given_start(start / pixel)
-        energies = scene.iterate(volume, progress)
+        rough = start is None
+        volume = rough_start(inputs, options, initial) if rough else given_start(inputs, options, start / pixel)
+        energies = Iteration(inputs, options).run(volume, progress)
     volume = inputs.whole(volume)
     if len(views.angles_deg) == 1 and options.stand_in == "measured":
         volume = _symmetric(volume, views.angles_deg[0])
@@ -108,6 +72,7 @@ def reconstruct(
         energies=energies,
         angles_deg=views.angles_deg,
         hull_share=float(inputs.hull.numpy().sum(dtype=np.float64) / volume.size),
+        white=views.white,
     )
 
 
@@ -119,51 +84,37 @@ def footage_facts(views: Views) -> dict:
     return {"views": len(grey), "width": grey.shape[1], "bright": bright}
 
 
-class Scene:
-    """One frame during reconstruction: its inputs, projectors and memory."""
+class Iteration:
+    """The alternation of both steps for one frame, with its memory.
 
-    def __init__(self, inputs: Inputs, options: ReconstructOptions, device: wp.Device):
-        self.inputs, self.options, self.device = inputs, options, device
+    Args:
+        inputs: What is measured, how the rest should look, and the hull.
+        options: Choices of the method, all settled.
+    """
+
+    def __init__(self, inputs: Inputs, options: ReconstructOptions):
+        self.inputs, self.options, self.device = inputs, options, inputs.hull.device
         measured = slice(0, inputs.measured)
-        self.measured_images = inputs.images[measured]
-        self.measured_angles = inputs.angles_deg[measured]
+        self._measured = inputs.images[measured]
+        fan_deg, self._at = fan_angles(options.angles, inputs.angles_deg[measured])
+        self._fan = inputs.projector(fan_deg, options.footprint)
+        self._mask = self._fan.project(inputs.hull).numpy() > 0
+        self._transfer = AppearanceTransfer(
+            inputs.images, inputs.angles_deg, fan_deg, height=options.scales, interpolation=options.interpolation
+        )
+        weights = np.ones(len(fan_deg))
+        weights[self._at] = options.input_weight
+        self._solver = LeastSquares(self._fan, weights=weights, ramp=options.preconditioner == "ramp")
+        self._balance = Balancing.of_measured(inputs, options.footprint)
+        self._scratch = self._volume()
+        if options.fade > 0:
+            ones = wp.full(self._fan.image_shape, 1.0, dtype=float, device=self.device)
+            self._share, self._seen, self._cover = self._volume(), self._volume(), self._volume()
+            self._fan.backproject(ones, out=self._seen)
+            blur(inputs.hull, options.fade_blur, scratch=self._scratch, out=self._cover)
 
-    def least_squares(self) -> wp.array:
-        """Return the initial volume (Eq. 3)."""
-        inputs, options = self.inputs, self.options
-        seen = inputs.images if inputs.side is None else self.measured_images
-        projector = self._projector(inputs.angles_deg[: len(seen)])
-        images = wp.array(seen, dtype=float, device=self.device)
-        return initial_volume(projector, images, steps=options.lsm_steps, non_negative=options.non_negative)
-
-    def start(self, initial: wp.array) -> wp.array:
-        """Return the volume that the iteration starts from: the initial one, roughened and balanced."""
-        inputs, options = self.inputs, self.options
-        looks, angles = self.inputs.images, inputs.angles_deg
-        if inputs.side is None:
-            volume = wp.clone(initial)
-        else:
-            looks = np.stack([inputs.images[0], inputs.side])
-            volume = self._product(looks)
-        if options.start_noise > 0:
-            noise = _noise(inputs.box, options.seed, options.noise_grain, options.noise_grain_y)[inputs.part]
-            factor = wp.array(np.exp(np.float32(options.start_noise) * noise), dtype=float, device=self.device)
-            vectors.multiply(volume, factor, out=volume)
-            self._balancing(looks, angles).apply(volume, START_SWEEPS)
-        return volume
-
-    def given_start(self, volume: np.ndarray) -> wp.array:
-        """Return a volume given from outside, inside the hull and balanced against the measured views."""
-        if volume.shape != self.inputs.box:
-            raise ValueError(f"start has shape {volume.shape}, expected {self.inputs.box}: (x, z, y) of these views")
-        part = np.maximum(volume[self.inputs.part], 0)
-        volume = wp.array(part, dtype=float, device=self.device)
-        vectors.multiply(volume, self.inputs.hull, out=volume)
-        return self._balancing(self.measured_images, self.measured_angles).apply(volume, START_SWEEPS)
-
-    def iterate(self, volume: wp.array, progress: Progress | None = None) -> np.ndarray:
+    def run(self, volume: wp.array, progress: Progress | None = None) -> np.ndarray:
         """Alternate M-step and E-step, changing the volume in place; return the energies, shape (iteration, 2)."""
-        self._prepare()
         energies = np.zeros((self.options.iterations, 2))
         rendered = self._fan.project(volume)
         for iteration in range(self.options.iterations):
@@ -180,33 +131,13 @@ class Scene:
                 progress(iteration + 1, energies[iteration, 1])
         return energies
 
-    def _prepare(self) -> None:
-        inputs, options = self.inputs, self.options
-        fan_deg, self._at = fan_angles(options.angles, self.measured_angles)
-        self._fan = self._projector(fan_deg)
-        self._mask = self._fan.project(inputs.hull).numpy() > 0
-        self._transfer = AppearanceTransfer(
-            inputs.images, inputs.angles_deg, fan_deg, height=options.scales, interpolation=options.interpolation
-        )
-        weights = np.ones(len(fan_deg))
-        weights[self._at] = options.input_weight
-        self._solver = LeastSquares(self._fan, weights=weights, ramp=options.preconditioner == "ramp")
-        self._balance = self._balancing(self.measured_images, self.measured_angles)
-        self._scratch, self._share, self._cover, self._seen = (
-            wp.zeros(self._fan.shape, dtype=float, device=self.device) for _ in range(4)
-        )
-        if options.fade > 0:
-            ones = wp.full(self._fan.image_shape, 1.0, dtype=float, device=self.device)
-            self._fan.backproject(ones, out=self._seen)
-            blur(inputs.hull, options.fade_blur, scratch=self._scratch, out=self._cover)
-
     def _m_step(self, rendered: wp.array) -> np.ndarray:
         """Modify the rendered views so that they look like the inputs, and put the inputs in."""
         made = self._transfer.transfer(rendered.numpy(), self._mask)
         if self.options.row_sums:
             total = made.sum(axis=1, keepdims=True)
             made *= np.where(total > 1e-3, self.inputs.row_sums / np.maximum(total, 1e-3), 1).astype(np.float32)
-        made[self._at] = self.measured_images
+        made[self._at] = self._measured
         return made
 
     def _e_step(self, volume: wp.array, residual: wp.array, made: np.ndarray, iteration: int) -> None:
@@ -227,7 +158,7 @@ class Scene:
     def _fade(self, volume: wp.array, made: np.ndarray) -> None:
         """Fade voxels that most views show as black: the corners of the hull and the outlines they leave."""
         black = made <= self.inputs.black
-        black[self._at] = self.measured_images <= self.inputs.threshold
+        black[self._at] = self._measured <= self.inputs.threshold
         share = self._share
         self._fan.backproject(wp.array(black, dtype=float, device=self.device), out=share)
         vectors.share(share, self._seen, out=share)
@@ -241,21 +172,8 @@ class Scene:
         scale = wp.array(np.broadcast_to(factor, volume.shape), dtype=float, device=self.device)
         vectors.multiply(volume, scale, out=volume)
 
-    def _product(self, looks: np.ndarray) -> wp.array:
-        """Multiply front and side: a start without the cross that their sum has."""
-        images = [wp.array(look[None], dtype=float, device=self.device) for look in looks]
-        pair = zip(self.inputs.angles_deg, images, strict=True)
-        front, side = (self._projector([angle]).backproject(image) for angle, image in pair)
-        rows = np.maximum(self.inputs.row_sums, 1).astype(np.float32)
-        scale = wp.array(np.broadcast_to(1 / rows, front.shape), dtype=float, device=self.device)
-        vectors.multiply(front, side, out=front)
-        return vectors.multiply(front, scale, out=front)
-
-    def _projector(self, angles_deg) -> Projector:
-        return self.inputs.projector(angles_deg, self.options.footprint)
-
-    def _balancing(self, images: np.ndarray, angles_deg: tuple[float, ...]) -> Balancing:
-        return Balancing(images, [self._projector([angle]) for angle in angles_deg])
+    def _volume(self) -> wp.array:
+        return wp.empty(self._fan.shape, dtype=float, device=self.device)
 
 
 def fan_angles(count: int, measured_deg: tuple[float, ...]) -> tuple[tuple[float, ...], list[int]]:
@@ -283,14 +201,6 @@ def fan_angles(count: int, measured_deg: tuple[float, ...]) -> tuple[tuple[float
     return tuple(float(a) for a in ordered), [ordered.index(angle) for angle in measured_deg]
 
 
-@functools.lru_cache(maxsize=1)
-def _noise(shape: tuple[int, int, int], seed: int, grain: float, grain_y: float) -> np.ndarray:
-    """Smooth Gaussian noise of unit deviation; the frames of a sequence share one, or they would flicker."""
-    white = np.random.default_rng(seed).standard_normal(shape, dtype=np.float64).astype(np.float32)
-    smooth = blur(wp.array(white, dtype=float, device="cpu"), (grain, grain, grain_y)).numpy()
-    return smooth / max(float(smooth.std()), 1e-12)
-
-
 def _symmetric(volume: np.ndarray, angle_deg: float) -> np.ndarray:
     """Make a volume from one view given twice exactly symmetric: rounding alone made it differ."""
     if angle_deg % 90:
@@ -305,4 +215,4 @@ def _empty(views: Views) -> Reconstruction:
     """Return the empty volume of a frame in which nothing is lit."""
     _, width, height = views.images.shape
     nothing = np.zeros((width, width, height), np.float32)
-    return Reconstruction(nothing, nothing, np.zeros((0, 2)), views.angles_deg, 0.0)
+    return Reconstruction(nothing, nothing, np.zeros((0, 2)), views.angles_deg, 0.0, views.white)

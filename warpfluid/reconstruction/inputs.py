@@ -72,6 +72,10 @@ class Inputs:
         place = {"corner": self.corner, "width": self.images.shape[1]}
         return Projector(angles_deg, self.hull.shape, hull=self.hull, footprint=footprint, **place)
 
+    def projectors(self, angles_deg: tuple[float, ...], footprint: str) -> list[Projector]:
+        """Return a projector for each angle alone."""
+        return [self.projector((angle,), footprint) for angle in angles_deg]
+
 
 def make_inputs(views: Views, options: ReconstructOptions, device: wp.Device) -> Inputs:
     """Prepare views for reconstruction: scale, tone curve, angles, stand-in for a missing side, hull."""
