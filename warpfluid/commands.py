@@ -29,7 +29,8 @@ def reconstruct(settings: Settings, out: Path, *, resume: bool, overwrite: bool,
     _check_frames(shot, settings)
     inspection = inspect_shot(shot, settings.reconstruct)
     check_memory(inspection.memory_bytes, shot.size[0], device)
-    settings = dataclasses.replace(settings, reconstruct=inspection.options)
+    footage = dataclasses.replace(settings.input, white=shot.white or settings.input.white)
+    settings = dataclasses.replace(settings, input=footage, reconstruct=inspection.options)
     facts = {"device": str(device), "inputs": shot.hashes()}
     done = run.begin(settings, facts, resume=resume, overwrite=overwrite)
     for line in inspection.lines():

@@ -3,20 +3,23 @@
 import dataclasses
 import time
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
+from warpfluid.files.sequences import format_frames
 from warpfluid.inspection import Inspection
 from warpfluid.kernels.launch import thread_count
-from warpfluid.metrics import appearance_distance
+from warpfluid.metrics import SMALLEST_SIDE, appearance_distance
 from warpfluid.options import InputOptions, OutputOptions, ReconstructOptions
 from warpfluid.reconstruction.em import reconstruct
 from warpfluid.reconstruction.inputs import apply_shoulder
 from warpfluid.rendering.ramps import apply_ramp
 from warpfluid.rendering.turntable import render_turntable, slices_picture
 from warpfluid.report import FrameReport, InputReport, ReportData, write_report
-from warpfluid.run import Run, Settings, versions
+from warpfluid.run import Run, versions
+from warpfluid.settings import Settings
 from warpfluid.shot import Shot
 from warpfluid.sources import spread
 from warpfluid.views import Views
@@ -43,43 +46,40 @@ def write_film(run: Run, settings: Settings, path: Path) -> None:
     write(path, _film(run, settings, TURN_PICTURES), 24.0)
 
 
-def report_run(
-    run: Run, shot: Shot, settings: Settings, inspection: Inspection, *, device=None, seconds: float | None = None
-) -> Path:
+def report_run(run: Run, shot: Shot, settings: Settings, inspection: Inspection, *, device=None) -> Path:
     """Write the page of a run.
 
     Args:
-        run: A run with at least one frame.
+        run: A run with at least one frame of the shot.
         shot: Its footage.
-        settings: Its settings.
+        settings: Its settings, all choices made.
         inspection: What the check of the footage found.
         device: Where to compute the volumes of least squares.
-        seconds: Time the frames took.
 
     Returns:
         The page, ``report.html`` in the run's folder.
     """
     begin = time.perf_counter()
-    records = run.records()
+    records = {frame: record for frame, record in run.records().items() if frame in shot.frames}
     shown = spread(tuple(records), SHOWN_FRAMES)
     frames = [_frame(run, shot, settings, records[number], device) for number in shown]
     film = np.stack(list(_film(run, settings, FILM_IN_PAGE)))
-    took = sum(record["seconds"] for record in records.values()) if seconds is None else seconds
-    made, defaults = _options(settings), _options(None)
+    took = sum(record["seconds"] for record in records.values())
     data = ReportData(
         title=run.folder.resolve().name,
-        subtitle=f"{len(records)} frames, {' x '.join(map(str, inspection.volume_size))} voxels (x, y, z)",
+        subtitle=_subtitle(records, inspection),
         inputs=_inputs(shot, shown[len(shown) // 2]),
         warnings=inspection.hints,
-        check=[line for line in inspection.lines() if not line.startswith("hint")],
+        check=_sentences(inspection),
+        check_table=_check_table(inspection),
         frames=frames,
         metrics=_means(frames),
         turntable=film[:, :: _step(film), :: _step(film)],
         rate=24.0 * FILM_IN_PAGE / TURN_PICTURES,
-        options=made,
-        defaults=defaults,
+        options=_options(settings.input, settings.reconstruct, settings.output),
+        defaults=_options(InputOptions(), _default_method(inspection), OutputOptions()),
         versions={**versions(), "CPU threads": thread_count(), "device": run.settings()["made-with"].get("device", "")},
-        timings={"frames": took, "film and report": time.perf_counter() - begin},
+        timings={"frames": took, "this page": time.perf_counter() - begin},
     )
     path = run.folder / "report.html"
     write_report(path, data)
@@ -113,11 +113,11 @@ def _numbers(volumes: dict, views: Views, options: ReconstructOptions) -> dict[s
     """Compare every method with the inputs, half-way between them, as distributions: there is no truth."""
     from warpfluid.projector import Projector
 
-    if not (views.images > options.threshold).any(axis=(1, 2)).all():
+    if min(views.size) < SMALLEST_SIDE or not (views.images > options.threshold).any(axis=(1, 2)).all():
         return {}
     angles = sorted(angle % 180 for angle in views.angles_deg)
     angles = [*angles, angles[0] + 180]
-    unseen = [(a + b) / 2 for a, b in zip(angles, angles[1:], strict=False)]
+    unseen = [(a + b) / 2 for a, b in pairwise(angles)]
     references = [image.T[::-1] for image in views.images]
     numbers = {}
     for name, volume in volumes.items():
@@ -163,15 +163,45 @@ def _means(frames: list[FrameReport]) -> dict[str, dict[str, float]]:
     return {method: {key: float(np.mean(v)) for key, v in numbers.items()} for method, numbers in totals.items()}
 
 
-def _options(settings: Settings | None) -> dict[str, object]:
-    """Return all options in one table; the defaults without settings."""
-    parts = (
-        (settings.input, settings.reconstruct, settings.output)
-        if settings
-        else (InputOptions(), ReconstructOptions(), OutputOptions())
-    )
+def _subtitle(records: dict[int, dict], inspection: Inspection) -> str:
+    lacking = inspection.frame_count - len(records)
+    frames = f"{format_frames(records)}, {len(records)} of {inspection.frame_count}" if lacking else inspection.frames
+    x, y, z = inspection.volume_size
+    return f"Frames {frames}; {x} x {y} x {z} voxels (width, height, depth)"
+
+
+def _sentences(inspection: Inspection) -> list[str]:
+    """Return what the check of the footage says of all views together."""
+    return [f"The visual hull fills {inspection.hull_share:.0%} of the box.", *inspection.notes]
+
+
+def _check_table(inspection: Inspection) -> list[dict[str, object]]:
+    """Return what the check found of every view, a row each."""
+    apart = {pair.angle_deg: f"{pair.remedy.disagreement:.1%}" for pair in inspection.pairs}
+    return [
+        {
+            "view": f"{view.angle_deg:g}°",
+            "footage": f"{' x '.join(map(str, view.footage_size))}, {view.depth}",
+            "frames": view.frames,
+            "grey levels": f"{view.darkest:.0f} to {view.brightest:.0f}",
+            "background": f"{view.background:.0f}",
+            "saturated": f"{view.saturated:.1%}",
+            "rows differ by": apart.get(view.angle_deg, "–"),
+        }
+        for view in inspection.views
+    ]
+
+
+def _default_method(inspection: Inspection) -> ReconstructOptions:
+    """Return what the method would be for this footage if nobody chose anything."""
+    view = inspection.views[0]
+    return ReconstructOptions().settled(views=len(inspection.views), width=view.size[0], bright=view.bright)
+
+
+def _options(*parts) -> dict[str, object]:
+    """Return all options in one table, named as the flags are; None is a choice left to the footage."""
     merged = {key: value for part in parts for key, value in dataclasses.asdict(part).items()}
-    return {key.replace("_", "-"): value for key, value in merged.items()}
+    return {key.replace("_", "-"): "auto" if value is None else value for key, value in merged.items()}
 
 
 def _step(film: np.ndarray) -> int:

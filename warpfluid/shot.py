@@ -56,6 +56,11 @@ class Shot:
         """Frames a second, where a view's footage says so."""
         return next((source.footage.rate for source in self.sources if source.footage.rate), None)
 
+    @property
+    def white(self) -> float | None:
+        """Pixel value that counts as white, if all footage is float; integers have their own."""
+        return None if any(map(is_integer, self.sources)) else self.sources[0].matting.white
+
     def views(self, frame: int, *, equalize_rows: bool | None = None) -> Views:
         """Return the images of a frame; they may be black all over.
 
