@@ -130,12 +130,8 @@ def _check_options(options: InputOptions, problems: Problems) -> list[int] | Non
         problems.attempt(matting.parse_crop, options.crop)
     if options.resolution:
         problems.attempt(matting.parse_resolution, options.resolution)
-    if not 0 <= options.black_level < 255:
-        problems.append(f"--black-level {options.black_level:g} is not a grey level from 0 to below 255")
     if options.white is not None and not (math.isfinite(options.white) and options.white > 0):
         problems.append(f"--white {options.white:g} is not a pixel value above 0")
-    if options.decode not in ("none", "srgb", "rec709"):
-        problems.append(f"--decode {options.decode!r} is none of none, srgb and rec709")
     return asked
 
 
