@@ -29,11 +29,11 @@ def fire() -> np.ndarray:
     size, height = 48, 40
     rng = np.random.default_rng(5)
     noise = sum(
-        weight * ndimage.gaussian_filter(rng.standard_normal((size, size, height)), (g, g, 2 * g)) * g**2
-        for g, weight in ((1, 1), (2, 1.2), (4, 1.5))
+        ndimage.gaussian_filter(rng.standard_normal((size, size, height)), (grain, grain, 2 * grain)) * grain**2
+        for grain in (1, 2, 3)
     )
-    middle = (size - 1) / 2
-    x = np.arange(size) - middle
-    radius = np.hypot(x[:, None], x)[..., None] / (middle * 0.85 * np.linspace(1, 0.5, height))
-    volume = np.maximum(noise - 1.2 * radius**2, 0) * (radius < 1)
+    x = np.arange(size) - (size - 1) / 2
+    radius = np.hypot(x[:, None], x)[..., None] / (0.42 * size * np.linspace(1, 0.5, height))
+    volume = np.maximum(noise / noise.std() + 1 - 3 * radius**2, 0) ** 2
+    volume[..., :2] = volume[..., -2:] = 0
     return (volume * 255 / volume.sum(axis=1).max()).astype(np.float32)
