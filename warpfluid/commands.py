@@ -26,7 +26,7 @@ def reconstruct(settings: Settings, out: Path, *, resume: bool, overwrite: bool,
     device = problems.attempt(pick_device, common.device)
     shot = problems.attempt(open_shot, settings.views, settings.input)
     problems.raise_if_any()
-    _check_frames(shot, settings)
+    _check_lengths(shot, settings)
     inspection = inspect_shot(shot, settings.reconstruct)
     check_memory(inspection.memory_bytes, shot.size[0], device)
     footage = dataclasses.replace(settings.input, white=shot.white or settings.input.white)
@@ -46,7 +46,6 @@ def reconstruct(settings: Settings, out: Path, *, resume: bool, overwrite: bool,
 def inspect(settings: Settings, picture: Path | None, common) -> int:
     """Show what is understood of footage; return the exit code."""
     shot = open_shot(settings.views, settings.input)
-    _check_pictures(shot)
     inspection = inspect_shot(shot, settings.reconstruct)
     if picture:
         write_views_picture(picture, shot.views(shot.frames[len(shot.frames) // 2]))
@@ -106,23 +105,13 @@ def doctor(common) -> int:
     return 0
 
 
-def _check_frames(shot: Shot, settings: Settings) -> None:
-    """Refuse footage of unequal length, unless the frames were chosen, and footage with a damaged picture."""
+def _check_lengths(shot: Shot, settings: Settings) -> None:
+    """Refuse footage of unequal length, unless the frames were chosen."""
     spans = {(source.frames[0], source.frames[-1]) for source in shot.sources}
     if len(spans) > 1 and settings.input.frames is None:
         found = ", ".join(f"{source.name} has {format_frames(source.frames)}" for source in shot.sources)
         way_out = f"--frames {format_frames(shot.frames)} uses what all of them have"
         raise ValueError(f"the views have unequal frames ({found}): {way_out}")
-    _check_pictures(shot)
-
-
-def _check_pictures(shot: Shot) -> None:
-    """Read every picture once, so that a damaged one is known before the long part."""
-    problems = Problems()
-    for frame in shot.frames:
-        for source in shot.sources:
-            problems.attempt(source.image, frame)
-    problems.raise_if_any()
 
 
 def _reconstruct(run: Run, shot: Shot, settings: Settings, frames: list[int], device, log: Progress) -> dict[str, str]:

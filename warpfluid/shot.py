@@ -111,6 +111,9 @@ def open_shot(views: Sequence[str | tuple[float, str]], options: InputOptions | 
     if None not in sizes and len(set(sizes)) > 1:
         found = ", ".join(f"{s.name} {w} x {h}" for s, (w, h) in zip(sources, sizes, strict=True))
         problems.append(f"the views have unlike sizes ({found}): make them equal with --resolution or --crop")
+    for source in sources:
+        for frame in frames:  # a damaged picture must not come up in the middle of a long run
+            problems.attempt(source.footage.read, frame - source.offset)
     problems.raise_if_any()
     sources = [problems.attempt(prepare, source, frames, sizes[0], options) for source in sources]
     problems.raise_if_any()

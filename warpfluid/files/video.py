@@ -108,7 +108,7 @@ class Video:
             raise ValueError(f"{self.path} is no video, or is cut off: {error.strerror}") from error
         if not container.streams.video:
             container.close()
-            raise ValueError(f"{self.path} holds no video, only sound or the like")
+            raise ValueError(f"{self.path} holds no video, only sound or the like; or it is cut off")
         if container.streams.video[0].codec_context is None:
             container.close()
             raise ValueError(f"{self.path} holds video of an unknown kind: convert it to H.264 or ProRes")
