@@ -231,7 +231,7 @@ def check_options(options) -> None:
             problems.append(f"{name} is {value!r}, expected a {'whole ' if int in kinds else ''}number")
         elif field.name in RANGES and not RANGES[field.name][0] <= value <= RANGES[field.name][1]:
             low, high = RANGES[field.name]
-            problems.append(f"{name} is {value:g}, expected {low:g} to {high:g}")
+            problems.append(f"{name} is {value:.10g}, expected {low:.10g} to {high:.10g}")
     if problems:
         raise ValueError("\n".join(problems))
 

@@ -16,8 +16,7 @@ import numpy as np
 from warpfluid import __version__
 from warpfluid.errors import describe
 from warpfluid.files.atomic import replacing
-from warpfluid.files.vdb import lost_mass, read_vdb, write_vdb
-from warpfluid.files.vdb.layout import CREATOR
+from warpfluid.files.vdb import layout, lost_mass, read_vdb, write_vdb
 from warpfluid.options import OutputOptions
 from warpfluid.settings import Settings, check_same, join_frames, read_settings
 
@@ -48,10 +47,10 @@ class Run:
     def is_whole(self, frame: int) -> bool:
         """Return whether the volume of a frame is there and, by its checksum, undamaged."""
         try:
-            facts = read_vdb(self.volume_path(frame), ["density"]).metadata
-        except (ValueError, OSError):
+            data = self.volume_path(frame).read_bytes()
+        except OSError:
             return False
-        return facts.get("creator") == CREATOR and facts.get("frame") == frame
+        return len(data) > layout.ID.stop and data[layout.ID] == layout.content_id(data)
 
     def volume(self, frame: int) -> np.ndarray:
         """Return the volume of a frame, shape (x, z, y).
