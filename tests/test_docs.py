@@ -1,0 +1,178 @@
+"""The documents say what is true: links, commands, options, defaults, names and the README's Python."""
+
+import re
+import shlex
+from dataclasses import asdict, fields
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from warpfluid.cli import app
+from warpfluid.options import InputOptions, OutputOptions, ReconstructOptions
+
+ROOT = Path(__file__).parents[1]
+PAGES = {str(path.relative_to(ROOT)): path for path in [*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")]}
+OPTIONS = (InputOptions, ReconstructOptions, OutputOptions)
+COMMANDS = [name for name in app if not name.startswith("-")]
+FENCE = re.compile(r"^ *```(\w*)\n(.*?)^ *```$", re.MULTILINE | re.DOTALL)
+
+
+def blocks(page: str, language: str) -> list[str]:
+    """Return the code blocks of a page in one language."""
+    return [text for kind, text in FENCE.findall(PAGES[page].read_text("utf-8")) if kind == language]
+
+
+def prose(page: str) -> str:
+    """Return a page without its code blocks."""
+    return FENCE.sub("", PAGES[page].read_text("utf-8"))
+
+
+def anchors(page: Path) -> set[str]:
+    """Return the anchors of a page's headings, as forges make them."""
+    headings = re.findall(r"^#+ (.+)$", page.read_text("utf-8"), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def flags(command: str) -> set[str]:
+    """Return the options of a command, short ones too."""
+    names = {name for argument in app[command].assemble_argument_collection() for name in argument.names}
+    return {name for name in names if name.startswith("-")}
+
+
+ALL_FLAGS = set().union(*map(flags, COMMANDS))
+
+
+def command_lines() -> list[tuple[str, str]]:
+    """Return every command line of ours that a page shows, with the page."""
+    found = []
+    for page in PAGES:
+        for line in "\n".join(blocks(page, "sh")).replace("\\\n", " ").splitlines():
+            parts = (part.strip().removeprefix(".venv/bin/") for part in line.split("&&"))
+            found += [(page, part) for part in parts if part.startswith("warpfluid ")]
+    return found
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_links_lead_somewhere(page):
+    """Every relative link and every anchor exists."""
+    for target in re.findall(r"\]\(([^)\s]+)\)", prose(page)):
+        if re.match(r"[a-z]+:", target):
+            continue
+        path, _, anchor = target.partition("#")
+        there = (PAGES[page].parent / path).resolve() if path else PAGES[page]
+        assert there.exists(), target
+        if anchor:
+            assert anchor in anchors(there), target
+
+
+def test_every_page_is_in_the_index():
+    """Whoever starts at the index finds all pages."""
+    index = PAGES["docs/index.md"].read_text("utf-8")
+    assert all(f"({path.name})" in index for path in (ROOT / "docs").glob("*.md") if path.name != "index.md")
+
+
+@pytest.mark.parametrize(("page", "line"), command_lines())
+def test_command_lines_parse(page, line):
+    """A command that is shown is one that is taken, with values that are allowed."""
+    _, bound, *_ = app.parse_args(shlex.split(line)[1:], exit_on_error=False, print_error=False)
+    for name, options in zip(("footage", "method", "output"), OPTIONS, strict=True):
+        if name in bound.arguments:
+            options(**{key: value for key, value in asdict(bound.arguments[name]).items() if value is not None})
+
+
+def test_commands_are_shown():
+    """Each command is shown in use on the page of commands."""
+    lines = [line for page, line in command_lines() if page == "docs/cli.md"]
+    assert {line.split()[1] for line in lines} == set(COMMANDS)
+
+
+def test_page_of_commands_is_complete():
+    """It has a section for each command, names each option, and nothing else."""
+    text = PAGES["docs/cli.md"].read_text("utf-8")
+    assert set(COMMANDS) <= anchors(PAGES["docs/cli.md"])
+    assert set(re.findall(r"^\| \[`(\w+)`\]", text, re.MULTILINE)) == set(COMMANDS)
+    assert set(re.findall(r"(?<![\w-])--?[a-z][\w-]*", text)) - {"--help"} == ALL_FLAGS
+
+
+@pytest.mark.parametrize("options", OPTIONS, ids=lambda options: options.__name__)
+def test_defaults_are_right(options):
+    """Every option has one row with its default; a dash stands for none."""
+    rows = dict(re.findall(r"^\| `--([\w-]+)[^|]*\| ([^|]+) \|", documented(options), re.MULTILINE))
+    made = {field.name.replace("_", "-"): getattr(options(), field.name) for field in fields(options)}
+    assert rows.keys() == made.keys()
+    for name, default in made.items():
+        told = rows[name].strip("`")
+        if isinstance(default, bool):
+            assert told == ("on" if default else "off"), name
+        elif isinstance(default, int | float):
+            assert float(told) == default, name
+        else:
+            assert told == (default or "–"), name
+
+
+@pytest.mark.parametrize("options", OPTIONS, ids=lambda options: options.__name__)
+def test_choices_are_told(options):
+    """The row of an option with choices names each of them."""
+    for field in fields(options):
+        choices = re.findall(r"'([\w-]+)'", str(field.type)) if "Literal" in str(field.type) else []
+        row = next(line for line in documented(options).splitlines() if f"`--{field.name.replace('_', '-')}" in line)
+        assert all(f"`{choice}`" in row for choice in choices), field.name
+
+
+def documented(options: type) -> str:
+    """Return the section of the page of commands that has an options class."""
+    title = {InputOptions: "### Footage", ReconstructOptions: "### Method", OutputOptions: "### Output"}[options]
+    return PAGES["docs/cli.md"].read_text("utf-8").split(f"\n{title}\n")[1].split("\n#")[0]
+
+
+def test_choices_of_paper_are_told():
+    """The sentence on --paper names exactly what differs from the defaults."""
+    told = re.search(r"`--paper` sets (.+?);", documented(ReconstructOptions), re.DOTALL)[1]
+    bound = app.parse_args(
+        ["reconstruct", *" ".join(re.findall(r"`(.+?)`", told)).split()], exit_on_error=False, print_error=False
+    )[1]
+    given = {key: value for key, value in asdict(bound.arguments["method"]).items() if value is not None}
+    assert ReconstructOptions(**given) == ReconstructOptions.paper()
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_options_exist(page):
+    """No page speaks of an option that there is not."""
+    spoken = set(re.findall(r"(?<![\w-])--[a-z][\w-]*", PAGES[page].read_text("utf-8")))
+    assert spoken - {"--help", "--version", "--quick"} <= ALL_FLAGS  # the last is the benchmarks'
+
+
+def test_names_in_the_method_exist():
+    """Each file and each function that the page of the method names is there."""
+    package = ROOT / "warpfluid"
+    text = PAGES["docs/method.md"].read_text("utf-8")
+    named = set(re.findall(r"\b([a-z_]+(?:/[a-z_]+)*\.py)\b", text))
+    assert len(named) > 8
+    for name in named:
+        assert any(
+            path.as_posix().endswith(f"/{name}") for path in [*package.rglob("*.py"), *ROOT.glob("examples/*.py")]
+        )
+    source = "\n".join(path.read_text("utf-8") for path in package.rglob("*.py"))
+    for name in re.findall(r"`([A-Za-z_]+(?:\.[A-Za-z_]+)+|[a-z]+_[a-z_]+)`", prose("docs/method.md")):
+        parts = name.removesuffix(".py").split(".")
+        if not name.endswith(".py"):
+            assert re.search(rf"(?:def|class) {parts[-1]}\b|^    {parts[-1]}:", source, re.MULTILINE), name
+
+
+def test_readme_in_python(tmp_path, monkeypatch):
+    """The README's Python runs as it is and leaves a volume and a film."""
+    import warpfluid as wf
+    from warpfluid.files.images import write_png
+
+    monkeypatch.chdir(tmp_path)
+    rows, columns = np.mgrid[0:40, 0:24]
+    for name, lean in (("front", 3), ("side", -2)):
+        flame = 200 * np.exp(-(((columns - 11.5 - lean * (1 - rows / 39)) / 4) ** 2)) * (rows > 5)
+        write_png(f"{name}.png", flame.astype(np.uint8))
+    (script,) = blocks("README.md", "python")
+    exec(compile(script, "README.md", "exec"), {})
+    density = wf.read_vdb("fire.0001.vdb").grids["density"]
+    assert density.shape == (24, 40, 24)
+    assert density.sum() > 0
+    assert Path("fire.mp4").stat().st_size > 1000
