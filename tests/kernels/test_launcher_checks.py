@@ -1,0 +1,155 @@
+"""No launcher lets a wrong array through: Warp would read garbage from it, or crash."""
+
+import inspect
+
+import numpy as np
+import pytest
+import warp as wp
+
+from warpfluid.device import pick_device
+from warpfluid.kernels import blur, projection, vectors, visual_hull
+from warpfluid.projector import directions
+
+N, HEIGHTS, ANGLES = 6, 50, [0.0, 30.0, 90.0]
+
+
+def floats(*shape):
+    return lambda device: wp.full(shape, 1.0, dtype=float, device=device)
+
+
+def bytes_(*shape):
+    return lambda device: wp.full(shape, 1, dtype=wp.uint8, device=device)
+
+
+def fan(device):
+    return directions(np.array(ANGLES), pick_device(device))
+
+
+def runs(device):
+    return visual_hull.occupied_runs(volume(device))
+
+
+def spans(device):
+    return projection.ray_spans(fan(device), runs(device), HEIGHTS, width=N)
+
+
+volume = floats(N, N, HEIGHTS)
+images = floats(len(ANGLES), N, HEIGHTS)
+silhouettes = bytes_(len(ANGLES), N, HEIGHTS)
+pair = {"a": volume, "b": volume}
+
+# Every public launcher: its arrays by name, and its other arguments.
+LAUNCHERS = {
+    blur.blur: ({"field": volume, "scratch": volume, "out": volume}, {"sigma": 1.0}),
+    projection.ray_spans: ({"directions": fan, "occupied": runs}, {"heights": HEIGHTS, "width": N}),
+    projection.project: (
+        {"volume": volume, "directions": fan, "spans": spans, "out": images},
+        {"footprint": "box"},
+    ),
+    projection.backproject: (
+        {
+            "images": images,
+            "directions": fan,
+            "weights": floats(len(ANGLES)),
+            "hull": volume,
+            "occupied": runs,
+            "out": volume,
+        },
+        {"footprint": "box"},
+    ),
+    vectors.dot: (pair, {}),
+    vectors.add_scaled: ({**pair, "out": volume}, {"factor": 2.0}),
+    vectors.multiply: ({**pair, "out": volume}, {}),
+    vectors.sharpen: (
+        {"field": volume, "fine": volume, "coarse": volume, "mask": volume, "out": volume},
+        {"fine_weight": 0.6, "coarse_weight": 0.3},
+    ),
+    vectors.clip: ({"field": volume}, {}),
+    vectors.ratio: (
+        {"target": images, "rendered": images, "out": images},
+        {"floor": 0.1, "cap": 4.0, "power": 1.0},
+    ),
+    vectors.apply_mean: ({"field": volume, "total": volume, "seen": volume}, {}),
+    vectors.share: ({"black": volume, "seen": volume, "out": volume}, {}),
+    vectors.fade: ({"field": volume, "share": volume, "cover": volume}, {"limit": 0.5}),
+    visual_hull.silhouette_hull: ({"lit": silhouettes, "directions": fan, "out": volume}, {}),
+    visual_hull.occupied_runs: ({"hull": volume}, {}),
+}
+OPTIONAL = {(blur.blur, "scratch"), (blur.blur, "out"), (visual_hull.silhouette_hull, "out")}
+MAY_BE_SHORT = {
+    (vectors.clip, "field"),
+    (visual_hull.occupied_runs, "hull"),
+    (projection.project, "volume"),  # a part of the box
+    (projection.ray_spans, "occupied"),
+    (projection.ray_spans, "directions"),
+}
+
+
+def strided(array):
+    """The same numbers with gaps between them."""
+    twice = wp.empty((*array.shape[:-1], 2 * array.shape[-1]), dtype=array.dtype, device=array.device)
+    return twice[:, :, ::2] if array.ndim == 3 else twice[::2]
+
+
+MISTAKES = {
+    "None": lambda array: None,
+    "NumPy": lambda array: array.numpy(),
+    "short": lambda array: wp.empty((array.shape[0] - 1, *array.shape[1:]), dtype=array.dtype, device=array.device),
+    "flat": lambda array: array.flatten() if array.ndim > 1 else array.reshape((1, -1)),
+    "float64": lambda array: wp.zeros(array.shape, dtype=wp.float64, device=array.device),
+    "strided": strided,
+}
+
+
+ALLOWED = {"None": OPTIONAL, "short": MAY_BE_SHORT, "flat": {(vectors.clip, "field")}}
+CASES = [
+    pytest.param(launcher, name, mistake, id=f"{launcher.__name__}-{name}-{mistake}")
+    for launcher, (arrays, _) in LAUNCHERS.items()
+    for name in arrays
+    for mistake in MISTAKES
+    if (launcher, name) not in ALLOWED.get(mistake, ())
+]
+
+
+def arguments(launcher, device):
+    arrays, others = LAUNCHERS[launcher]
+    return {name: make(device) for name, make in arrays.items()} | others
+
+
+@pytest.mark.parametrize("launcher", LAUNCHERS, ids=lambda launcher: launcher.__name__)
+def test_takes_what_is_right(launcher, device):
+    """Otherwise the refusals below would mean nothing."""
+    launcher(**arguments(launcher, device))
+
+
+@pytest.mark.parametrize(("launcher", "name", "mistake"), CASES)
+def test_refuses_a_wrong_array(launcher, name, mistake, device):
+    """Each array in turn is missing, short, of another type or layout."""
+    kwargs = arguments(launcher, device)
+    kwargs[name] = MISTAKES[mistake](kwargs[name])
+    with pytest.raises(ValueError, match=r"\w"):
+        launcher(**kwargs)
+
+
+@pytest.mark.parametrize("launcher", LAUNCHERS, ids=lambda launcher: launcher.__name__)
+def test_refuses_arrays_on_different_devices(launcher, device):
+    """A kernel reads the memory of one device only."""
+    kwargs = arguments(launcher, device)
+    names = list(LAUNCHERS[launcher][0])
+    others = [other for other in map(str, wp.get_devices()) if other != device]
+    if not others or len(names) < 2:
+        pytest.skip("needs a second device and a second array")
+    kwargs[names[-1]] = kwargs[names[-1]].to(others[0])
+    with pytest.raises(ValueError, match="device"):
+        launcher(**kwargs)
+
+
+@pytest.mark.parametrize("module", [blur, projection, vectors, visual_hull])
+def test_no_launcher_is_left_out(module):
+    """A public function that takes arrays is in the table above."""
+    public = {
+        function
+        for name, function in vars(module).items()
+        if inspect.isfunction(function) and function.__module__ == module.__name__ and not name.startswith("_")
+    }
+    assert public <= set(LAUNCHERS)
