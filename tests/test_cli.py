@@ -307,7 +307,8 @@ def test_inspect(tmp_path, capsys):
     text = capsys.readouterr().out
     assert "24 x 20 x 24 voxels" in text
     assert "frames  3 (1-3)" in text
-    assert "a frame on two CPU cores" in text
+    assert "3 frames, about " in text
+    assert "GB of memory" in text
     assert (tmp_path / "views.png").stat().st_size > 1000
     assert run("inspect", *flags, "--json") == 0
     data = json.loads(capsys.readouterr().out)

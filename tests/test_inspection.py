@@ -74,10 +74,10 @@ def test_hull_of_one_view():
 
 def test_cost_grows_with_the_volume():
     """Twice the size is about eight times the memory of the volume, and no iterations are cheaper."""
-    small, large = (estimate_cost((n, n), 0.2, ReconstructOptions(angles=90)) for n in (64, 128))
+    small, large = (estimate_cost((n, n), 0.2, ReconstructOptions(angles=90)) for n in (256, 512))
     assert 4 < large[0] / small[0] < 9
     assert 4 < large[1] / small[1] < 9
-    assert estimate_cost((64, 64), 0.2, ReconstructOptions(method="lsm", angles=90))[0] < small[0]
+    assert estimate_cost((256, 256), 0.2, ReconstructOptions(method="lsm", angles=90))[0] < small[0]
 
 
 def flame(frame, tall=32, wide=24):
@@ -132,9 +132,7 @@ def test_one_view_is_described(tmp_path):
 )
 def test_hints(tmp_path, make, words):
     """Footage that an option would help gets that option as a hint."""
-    found = inspect_shot(
-        open_shot([f"0={write(tmp_path / 'a', make)}"]), ReconstructOptions(hull="silhouette")
-    )
+    found = inspect_shot(open_shot([f"0={write(tmp_path / 'a', make)}"]), ReconstructOptions(hull="silhouette"))
     assert any(words in hint for hint in found.hints)
 
 

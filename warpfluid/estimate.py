@@ -8,11 +8,19 @@ from warpfluid.options import ReconstructOptions, default_angles
 
 HULL_WIDTH = 48  # voxels; the hull is a share, so a coarse one tells it
 BULK = 0.1  # share of a row's light outside its bulk, either side
-# Of two CPU cores, at 271 x 144 x 271 voxels and 180 angles
-SECONDS_A_RAY_STEP = 6.3e-11  # one projection or back-projection, by angle and voxel inside the hull
-SECONDS_A_STATISTIC = 8e-8  # one M-step, by angle and pixel
-BYTES_A_VOXEL = 40
-BYTES_A_PIXEL = 24
+# Measured on two CPU cores at 96 x 144 and 271 x 144 pixels, 90 and 180 angles
+SECONDS_A_FRAME = 0.2
+SECONDS_A_VOXEL = 6e-8  # of the whole box: noise, least squares, file
+SECONDS_AN_ITERATION = 0.05
+SECONDS_A_RAY_STEP = 1.9e-10  # one projection or back-projection, by angle and voxel inside the hull
+SECONDS_A_STATISTIC = 7e-8  # one M-step, by angle and pixel
+SECONDS_OF_FILM = 2.0
+SECONDS_OF_PAGE = 1.5  # by frame shown
+SHOWN_FRAMES = 6
+BYTES_A_VOXEL = 16  # of the whole box
+BYTES_A_HULL_VOXEL = 48  # of the part of the box that the hull needs
+PART_OVER_HULL = 2.5  # that part is rectangular, the hull is not
+BYTES_A_PIXEL = 28
 
 
 def hull_share(images: np.ndarray, angles_deg: tuple[float, ...], options: ReconstructOptions) -> float:
@@ -47,12 +55,24 @@ def estimate_cost(size: tuple[int, int], share: float, options: ReconstructOptio
         options: Iterations, angles and steps.
     """
     u, v = size
-    angles = options.angles or default_angles(u)
-    em = options.iterations if options.method == "appearance-transfer" else 0
-    projections = 2 * options.lsm_steps + em * (2 + 2 * options.cg_steps + 2 * options.balance)
-    seconds = projections * angles * u * u * v * SECONDS_A_RAY_STEP * max(share, 0.1)
-    seconds += em * angles * u * v * SECONDS_A_STATISTIC
-    return seconds, int(u * u * v * BYTES_A_VOXEL + angles * u * v * BYTES_A_PIXEL)
+    voxels, pixels = u * u * v, (options.angles or default_angles(u)) * u * v
+    iterations = options.iterations if options.method == "appearance-transfer" else 0
+    projections = 2 + 2 * options.cg_steps
+    iteration = SECONDS_AN_ITERATION + pixels * SECONDS_A_STATISTIC
+    iteration += projections * pixels * u * share * SECONDS_A_RAY_STEP
+    seconds = SECONDS_A_FRAME + voxels * SECONDS_A_VOXEL + iterations * iteration
+    part = min(PART_OVER_HULL * share, 1)
+    return seconds, int(voxels * (BYTES_A_VOXEL + part * BYTES_A_HULL_VOXEL) + pixels * BYTES_A_PIXEL)
+
+
+def estimate_run(frames: int, seconds_a_frame: float) -> float:
+    """Return seconds for a run with film and page.
+
+    Args:
+        frames: How many.
+        seconds_a_frame: What ``estimate_cost`` found.
+    """
+    return frames * seconds_a_frame + SECONDS_OF_FILM + min(frames, SHOWN_FRAMES) * SECONDS_OF_PAGE
 
 
 def check_memory(needed: int, width: int, device) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from warpfluid.estimate import estimate_cost, format_duration, hull_share
+from warpfluid.estimate import estimate_cost, estimate_run, format_duration, hull_share
 from warpfluid.files.sequences import format_frames
 from warpfluid.matting import LIT
 from warpfluid.options import BRIGHT_FLAME, ReconstructOptions
@@ -82,12 +82,17 @@ class Inspection:
             *(_pair_line(pair) for pair in self.pairs),
             f"volume  {x} x {y} x {z} voxels, {self.hull_share:.0%} of them inside the visual hull",
             f"frames  {self.frame_count} ({self.frames})",
-            f"needs   about {format_duration(self.seconds_a_frame)} a frame on two CPU cores, "
-            f"{format_duration(self.frame_count * self.seconds_a_frame)} in all, "
-            f"{self.memory_bytes / 1e9:.2g} GB of memory",
+            f"needs   {self._needs()}",
             *(f"note    {note}" for note in self.notes),
             *(f"hint    {hint}" for hint in self.hints),
         ]
+
+    def _needs(self) -> str:
+        frames = f"{self.frame_count} frame{'s' * (self.frame_count > 1)}"
+        whole = format_duration(estimate_run(self.frame_count, self.seconds_a_frame))
+        a_frame = format_duration(self.seconds_a_frame)
+        memory = max(self.memory_bytes / 1e9, 0.01)
+        return f"{frames}, about {whole} on two CPU cores ({a_frame} a frame) and {memory:.2g} GB of memory"
 
 
 def inspect_shot(shot: Shot, options: ReconstructOptions | None = None) -> Inspection:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from warpfluid.estimate import SHOWN_FRAMES
 from warpfluid.files.sequences import format_frames
 from warpfluid.inspection import Inspection
 from warpfluid.kernels.launch import thread_count
@@ -25,7 +26,6 @@ from warpfluid.sources import spread
 from warpfluid.views import Views
 
 STILLS_DEG = tuple(range(0, 91, 15))
-SHOWN_FRAMES = 6
 SLICES = 6
 TURN_PICTURES = 120
 FILM_IN_PAGE = 60  # pictures of the film that the page carries
