@@ -25,10 +25,19 @@ def floats(dimensions: int, **arrays: wp.array) -> None:
     Raises:
         ValueError: If one is not.
     """
+    typed(wp.float32, dimensions, **arrays)
+
+
+def typed(dtype: type, dimensions: int, **arrays: wp.array) -> None:
+    """Check that arrays are contiguous and have a type and a number of dimensions.
+
+    Raises:
+        ValueError: If one is not or has not.
+    """
     for name, array in arrays.items():
-        if array.dtype is not wp.float32 or array.ndim != dimensions:
+        if array.dtype is not dtype or array.ndim != dimensions:
             found = f"{array.ndim}-D {array.dtype.__name__}"
-            raise ValueError(f"{name} is {found}, expected {dimensions}-D float32")
+            raise ValueError(f"{name} is {found}, expected {dimensions}-D {dtype.__name__}")
         if not array.is_contiguous:
             raise ValueError(f"{name} is not contiguous: pass {name}.contiguous()")
 

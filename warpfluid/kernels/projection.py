@@ -191,7 +191,11 @@ def span_kernel(
         centre = (float(u) - middle) / fast - (float(k + first_row) - middle) * slope + middle
         first = int(wp.floor(centre)) - 1 - first_tap
         for tap in range(wp.max(first, 0), wp.min(first + 4, taps)):
-            lit = wp.where(along_z, occupied[tap, k, block], occupied[k, tap, block])
+            lit = wp.uint8(0)
+            if along_z:
+                lit = occupied[tap, k, block]
+            else:
+                lit = occupied[k, tap, block]
             if lit > wp.uint8(0):
                 begin = wp.min(begin, k)
                 end = k + 1
@@ -216,6 +220,8 @@ def ray_spans(
         corner: Where in the box the volume begins (x, z).
     """
     device = checks.same_device(directions=directions, occupied=occupied)
+    checks.typed(wp.vec4, 1, directions=directions)
+    checks.typed(wp.uint8, 3, occupied=occupied)
     count, runs = directions.shape[0], occupied.shape[2]
     checks.shape((*occupied.shape[:2], run_count(heights, device)), occupied=occupied)
     spans = wp.empty((count, width, runs), dtype=wp.vec2i, device=device)
@@ -247,6 +253,8 @@ def project(
     """
     device = checks.same_device(volume=volume, directions=directions, spans=spans, out=out)
     checks.floats(3, volume=volume, out=out)
+    checks.typed(wp.vec4, 1, directions=directions)
+    checks.typed(wp.vec2i, 3, spans=spans)
     count, width, heights = out.shape
     checks.shape((count,), directions=directions)
     checks.shape((*volume.shape[:2], heights), volume=volume)
@@ -292,6 +300,8 @@ def backproject(
     device = checks.same_device(**arrays, out=out)
     checks.floats(3, images=images, hull=hull, out=out)
     checks.floats(1, weights=weights)
+    checks.typed(wp.vec4, 1, directions=directions)
+    checks.typed(wp.uint8, 3, occupied=occupied)
     count, _, heights = images.shape
     checks.shape((*hull.shape[:2], heights), hull=hull, out=out)
     checks.shape((count,), directions=directions, weights=weights)

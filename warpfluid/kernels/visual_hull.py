@@ -73,9 +73,13 @@ def silhouette_hull(
         ValueError: If shapes or devices do not fit.
     """
     device = checks.same_device(lit=lit, directions=directions)
+    checks.typed(wp.uint8, 3, lit=lit)
+    checks.typed(wp.vec4, 1, directions=directions)
     checks.shape((lit.shape[0],), directions=directions)
     _, width, heights = lit.shape
     out = wp.empty((width, width, heights), dtype=float, device=device) if out is None else out
+    checks.same_device(lit=lit, out=out)
+    checks.floats(3, out=out)
     checks.shape((width, width, heights), out=out)
     inputs = [lit, directions, _run(device)]
     launch(silhouette_hull_kernel, out.shape, inputs, [out], device)
