@@ -113,6 +113,15 @@ def test_outside_the_mask_it_is_black(inputs):
     assert found.max() <= inputs.max() * 1.001
 
 
+def test_a_thin_view_does_not_light_its_background(inputs):
+    """What comes out of the bands at or below black stays black, however much the inputs show."""
+    thin = np.zeros_like(inputs)
+    thin[:, 18:30] = inputs[:, 12:36:2]
+    found = transferred(inputs, ANGLES, ANGLES, thin)
+    assert (found == 0).mean() > 0.4
+    assert found[:, :8].max() < 0.05 * found.max()
+
+
 def test_a_black_view_stays_finite(inputs):
     """A collapsed volume is no reason to divide by zero."""
     found = transferred(inputs, ANGLES, ANGLES, np.zeros_like(inputs))
