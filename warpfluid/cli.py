@@ -53,7 +53,10 @@ OutputFlags = _flags(OutputOptions, "Output", 3)
 NO_INPUT, NO_METHOD, NO_OUTPUT = (get_args(flags)[0]() for flags in (InputFlags, MethodFlags, OutputFlags))
 
 FrontFlag = Annotated[str | None, Parameter(help="Footage of the front: the same as --view 0=FOOTAGE")]
-SideFlag = Annotated[str | None, Parameter(help="Footage of the right side: the same as --view 90=FOOTAGE")]
+SideFlag = Annotated[
+    str | None,
+    Parameter(help="Footage of a camera left of the front one, at a right angle: the same as --view 90=FOOTAGE"),
+]
 PaperFlag = Annotated[bool, Parameter(negative=(), help="Make the paper's choices; other flags count on top")]
 ConfigFlag = Annotated[Path | None, Parameter(help="Take options from a run.toml; flags count on top")]
 ViewFlag = Annotated[
@@ -115,7 +118,9 @@ def inspect(
     view: ViewFlag = None,
     front: FrontFlag = None,
     side: SideFlag = None,
-    picture: Annotated[Path | None, Parameter(help="Write a picture of the views around the box, .png")] = None,
+    picture: Annotated[
+        Path | None, Parameter(negative_none="no-", help="Picture of the views around the box to write, .png")
+    ] = Path("views.png"),
     paper: PaperFlag = False,
     config: ConfigFlag = None,
     footage: InputFlags = NO_INPUT,

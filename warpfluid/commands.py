@@ -49,6 +49,7 @@ def inspect(settings: Settings, picture: Path | None, common) -> int:
     inspection = inspect_shot(shot, settings.reconstruct)
     if picture:
         write_views_picture(picture, shot.views(shot.frames[len(shot.frames) // 2]))
+        Progress(quiet=common.quiet).line(f"picture {picture}")
     print(json.dumps(inspection.to_dict(), indent=2) if common.json else "\n".join(inspection.lines()))
     return 0
 

@@ -30,7 +30,7 @@ def render_turntable(
 
     Args:
         volume: Density, NumPy or Warp, shape (x, z, y).
-        angles_deg: Where the camera stands; 0 is the front, 90 the right side.
+        angles_deg: Where the camera stands; 0 is the front, 90 the left of it, looking along x.
         ramp: Name of a colour ramp.
         white: Ray sum that is the brightest colour; 255 shows a reconstruction as its footage; None takes
             nearly the brightest of all pictures.
