@@ -45,9 +45,7 @@ def test_v_is_up_and_u_is_right():
     assert Views.from_pictures([picture], [0]).images[0, 9, 7] == 255
 
 
-@pytest.mark.parametrize(
-    ("dtype", "white"), [(np.uint8, 255), (np.uint16, 65535), (np.float32, 7), (int, 40)]
-)
+@pytest.mark.parametrize(("dtype", "white"), [(np.uint8, 255), (np.uint16, 65535), (np.float32, 7), (int, 40)])
 def test_white_follows_the_type(dtype, white):
     """The full range of image types, and the brightest value of all pictures for others, becomes 255."""
     dim, bright = np.zeros((8, 8), dtype), np.zeros((8, 8), dtype)

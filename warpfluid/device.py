@@ -33,6 +33,7 @@ def pick_device(name: str | wp.Device | None = None) -> wp.Device:
 def start_warp() -> None:
     """Start Warp once, without its banner and without a warning where there is no GPU."""
     wp.config.log_level = wp.LOG_WARNING  # the banner would go to stdout, in the middle of --json
+    wp.config.enable_tiles_in_stack_memory = False  # kernels of all threads would share the pointer to it
     with _without_driver_warning():
         wp.init()
     with contextlib.suppress(OSError):

@@ -179,16 +179,12 @@ def _stills(frame: FrameReport, input_angles: set[float]) -> str:
                 f"frame {frame.number}: {name} has {len(pictures)} stills for {len(frame.angles_deg)} angles"
             )
         cells.append(f'<div class="row">{escape(name)}</div>')
-        cells += [
-            image(p, f"{name} at {angle:g}°") for p, angle in zip(pictures, frame.angles_deg, strict=True)
-        ]
+        cells += [image(p, f"{name} at {angle:g}°") for p, angle in zip(pictures, frame.angles_deg, strict=True)]
     cells.append("<div></div>")
     for angle in frame.angles_deg:
         label = f"{angle:g}°" + (" <b>input</b>" if angle in input_angles else "")
         cells.append(f'<div class="angle">{label}</div>')
-    columns = (
-        f"grid-template-columns: minmax(56px, max-content) repeat({len(frame.angles_deg)}, minmax(0, 1fr))"
-    )
+    columns = f"grid-template-columns: minmax(56px, max-content) repeat({len(frame.angles_deg)}, minmax(0, 1fr))"
     return f'<div class="scroll"><div class="stills" style="{columns}">{"".join(cells)}</div></div>'
 
 
@@ -203,8 +199,7 @@ def _metrics(methods: Mapping[str, Mapping[str, float]], yardsticks: Sequence[st
         rivals = [name for name in values if name not in yardsticks and metric.group != "tuned"]
         best = min(rivals, key=lambda name: badness(values[name])) if len(rivals) > 1 else None
         cells = "".join(
-            f'<td class="number{" best" if name == best else ""}">{cell(values.get(name))}</td>'
-            for name in methods
+            f'<td class="number{" best" if name == best else ""}">{cell(values.get(name))}</td>' for name in methods
         )
         mark = "*" if metric.group == "tuned" else ""
         rows.append(
@@ -234,9 +229,7 @@ def _options(options: Mapping[str, object], defaults: Mapping[str, object]) -> s
         for name, value in options.items()
         if name not in changed
     )
-    return (
-        f"{top}<details><summary>The other options</summary><table>{rest}</table></details>" if rest else top
-    )
+    return f"{top}<details><summary>The other options</summary><table>{rest}</table></details>" if rest else top
 
 
 def _timings(timings: Mapping[str, float]) -> str:

@@ -41,9 +41,7 @@ def film(pictures: np.ndarray, rate: float, words: str) -> str:
 
     first, *others = [Image.fromarray(_checked(picture, words)) for picture in pictures]
     webp = io.BytesIO()
-    first.save(
-        webp, "WEBP", save_all=True, append_images=others, duration=round(1000 / rate), loop=0, quality=85
-    )
+    first.save(webp, "WEBP", save_all=True, append_images=others, duration=round(1000 / rate), loop=0, quality=85)
     return f'<img alt="{escape(words)}" src="{_data_uri("webp", webp)}">'
 
 
@@ -56,8 +54,7 @@ def table(rows: Sequence[Mapping[str, object]]) -> str:
     kind = {name: ' class="number"' if numeric[name] else "" for name in names}
     head = "".join(f"<th{kind[name]}>{escape(name)}</th>" for name in names)
     lines = "".join(
-        "<tr>" + "".join(f"<td{kind[name]}>{cell(row.get(name))}</td>" for name in names) + "</tr>"
-        for row in rows
+        "<tr>" + "".join(f"<td{kind[name]}>{cell(row.get(name))}</td>" for name in names) + "</tr>" for row in rows
     )
     return f'<div class="scroll"><table><tr>{head}</tr>{lines}</table></div>'
 
@@ -107,9 +104,7 @@ def energy_chart(energies: np.ndarray) -> str:
     y = TOP + HEIGHT * (high - np.log10(np.where(good, values, ticks[0]))) / (high - low)
     points = [(px, py, i) for i, (px, py) in enumerate(zip(x, y, strict=True)) if good[i]]
     parts = [_axes(ticks, x[::2] + (x[1] - x[0]) / 2)]
-    parts.append(
-        f'<polyline class="curve" points="{" ".join(f"{px:.1f},{py:.1f}" for px, py, _ in points)}"/>'
-    )
+    parts.append(f'<polyline class="curve" points="{" ".join(f"{px:.1f},{py:.1f}" for px, py, _ in points)}"/>')
     for px, py, i in points:
         step = "ME"[i % 2]
         told = f"<title>{step}-step {i // 2 + 1}: {values[i]:.3g}</title>"
@@ -128,9 +123,7 @@ def _axes(ticks: list[float], middles: np.ndarray) -> str:
         parts.append(f'<text x="{LEFT - 8}" y="{y + 4:.1f}" text-anchor="end">{_short(tick)}</text>')
     every = -(-len(middles) // 12)
     for i in range(0, len(middles), every):
-        parts.append(
-            f'<text x="{middles[i]:.1f}" y="{TOP + HEIGHT + 17}" text-anchor="middle">{i + 1}</text>'
-        )
+        parts.append(f'<text x="{middles[i]:.1f}" y="{TOP + HEIGHT + 17}" text-anchor="middle">{i + 1}</text>')
     bottom = TOP + HEIGHT + 34
     parts.append(f'<text x="{LEFT + WIDTH / 2}" y="{bottom}" text-anchor="middle">iteration</text>')
     for x, style, words in ((8, "m", "after M (images)"), (148, "e", "after E (volume)")):

@@ -80,9 +80,7 @@ def image_size(source: Source, options: InputOptions, notes: list[str]) -> tuple
     if options.crop:
         crop_width, crop_height, left, top = parse_crop(options.crop)
         if left + crop_width > width or top + crop_height > height:
-            raise ValueError(
-                f"--crop {options.crop} does not fit into {source.name}, {width} x {height} pixels"
-            )
+            raise ValueError(f"--crop {options.crop} does not fit into {source.name}, {width} x {height} pixels")
         width, height = crop_width, crop_height
     size = width, height
     if options.resolution:
@@ -94,13 +92,9 @@ def image_size(source: Source, options: InputOptions, notes: list[str]) -> tuple
                 "pictures are only ever reduced"
             )
         if abs(size[0] * height / (size[1] * width) - 1) > STRETCH and new_height:
-            notes.append(
-                f"{source.name} changes its proportions, {width} x {height} to {size[0]} x {size[1]}"
-            )
+            notes.append(f"{source.name} changes its proportions, {width} x {height} to {size[0]} x {size[1]}")
     if min(size) < SMALLEST:
-        raise ValueError(
-            f"{source.name} has {size[0]} x {size[1]} pixels: at least {SMALLEST} x {SMALLEST} are needed"
-        )
+        raise ValueError(f"{source.name} has {size[0]} x {size[1]} pixels: at least {SMALLEST} x {SMALLEST} are needed")
     return size
 
 

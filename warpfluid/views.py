@@ -38,9 +38,7 @@ class Views:
         angles_deg = tuple(float(angle) for angle in np.atleast_1d(self.angles_deg))
         _check_images(images)
         if len(angles_deg) != len(images):
-            raise ValueError(
-                f"{len(images)} images came with {len(angles_deg)} angles_deg: give one angle a view"
-            )
+            raise ValueError(f"{len(images)} images came with {len(angles_deg)} angles_deg: give one angle a view")
         problems = angle_problems(angles_deg)
         if problems:
             raise ValueError("\n".join(problems))
@@ -95,17 +93,13 @@ class Views:
 
 def angle_problems(angles_deg: Sequence[float]) -> list[str]:
     """Return a sentence for each angle that is not finite, and each pair that shows one picture twice."""
-    problems = [
-        f"angle {angle} is not a finite number of degrees" for angle in angles_deg if not np.isfinite(angle)
-    ]
+    problems = [f"angle {angle} is not a finite number of degrees" for angle in angles_deg if not np.isfinite(angle)]
     finite = [angle for angle in angles_deg if np.isfinite(angle)]
     for second, b in enumerate(finite):
         for a in finite[:second]:
             apart = abs(a - b) % 360.0
             if min(apart, 360.0 - apart) < SAME_ANGLE_DEG:
-                problems.append(
-                    f"angles {a:g} and {b:g} are the same: give each view its own angle, in degrees"
-                )
+                problems.append(f"angles {a:g} and {b:g} are the same: give each view its own angle, in degrees")
             elif abs(apart - 180.0) < SAME_ANGLE_DEG:
                 problems.append(
                     f"angles {a:g} and {b:g} are 180 degrees apart: one view is the mirror image of "

@@ -158,9 +158,7 @@ def _add_glow(canvas: np.ndarray, views: Views, scene: _Scene) -> None:
         seen = (u >= 0) & (u < image.shape[0])
         light *= np.where(seen, image[u.clip(0, image.shape[0] - 1), v], 0) ** (1 / len(images))
     columns, rows = np.moveaxis(scene(points).astype(int), -1, 0)
-    glow = np.bincount(
-        (rows * scene.width + columns).ravel(), light.ravel(), minlength=scene.width * scene.height
-    )
+    glow = np.bincount((rows * scene.width + columns).ravel(), light.ravel(), minlength=scene.width * scene.height)
     cell = scene.scale / n
     glow = ndimage.gaussian_filter(glow.reshape(scene.height, scene.width).astype(np.float32), 0.7 * cell)
     bright = np.percentile(glow[glow > 0], 99.5) if (glow > 0).any() else 1.0
@@ -185,9 +183,7 @@ def _draw_lines(picture, views: Views, scene: _Scene) -> None:
     ring = scene(scene.ring(np.arange(0, 361, 2)))
     pen.line([tuple(p) for p in ring], fill=(*LINES, 150), width=SHARPER)
     for tick in range(0, 360, 15):
-        ends = scene(
-            np.stack([scene.ring(tick), scene.ring(tick, RING_RADIUS + (0.05 if tick % 45 == 0 else 0.025))])
-        )
+        ends = scene(np.stack([scene.ring(tick), scene.ring(tick, RING_RADIUS + (0.05 if tick % 45 == 0 else 0.025))]))
         pen.line([tuple(p) for p in ends], fill=(*LINES, 130), width=SHARPER)
     for index, angle_deg in enumerate(views.angles_deg):
         _draw_view(pen, scene, angle_deg, COLOURS[index % len(COLOURS)])

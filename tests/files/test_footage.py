@@ -112,9 +112,7 @@ def test_all_pictures_have_one_size(tmp_path):
     write_png(tmp_path / "front.0003.png", level(3, rows=7))
     footage = open_footage(tmp_path)
     footage.read(2)
-    with pytest.raises(
-        ValueError, match=r"front\.0003\.png is 10 x 7 pixels, but the first picture is 10 x 6"
-    ):
+    with pytest.raises(ValueError, match=r"front\.0003\.png is 10 x 7 pixels, but the first picture is 10 x 6"):
         footage.read(3)
 
 

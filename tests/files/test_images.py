@@ -30,9 +30,7 @@ def write_deep_png(path, pixels):
     chunks += [(b"IDAT", zlib.compress(body)), (b"IEND", b"")]
     data = b"\x89PNG\r\n\x1a\n"
     for kind, content in chunks:
-        data += (
-            struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
-        )
+        data += struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
     path.write_bytes(data)
 
 
@@ -46,9 +44,7 @@ def test_png_comes_back_exactly(tmp_path, dtype, channels):
     assert light.dtype == np.float32
     assert light.shape == (300, 400, channels or 1)
     assert depth == ("8 bit" if dtype is np.uint8 else "16 bit")
-    assert np.array_equal(
-        np.rint(light.astype(np.float64) * np.iinfo(dtype).max), pixels.reshape(light.shape)
-    )
+    assert np.array_equal(np.rint(light.astype(np.float64) * np.iinfo(dtype).max), pixels.reshape(light.shape))
 
 
 @given(rows=st.integers(1, 9), columns=st.integers(1, 9), rgb=st.booleans())
@@ -269,9 +265,7 @@ def test_an_absurd_size_is_refused(tmp_path, bits):
     header = struct.pack(">IIBBBBB", 100_000, 100_000, bits, 2, 0, 0, 0)
     chunk = b"IHDR" + header
     data = b"\x89PNG\r\n\x1a\n" + struct.pack(">I", 13) + chunk + struct.pack(">I", zlib.crc32(chunk))
-    (tmp_path / "a.png").write_bytes(
-        data + struct.pack(">I", 0) + b"IDAT" + struct.pack(">I", zlib.crc32(b"IDAT"))
-    )
+    (tmp_path / "a.png").write_bytes(data + struct.pack(">I", 0) + b"IDAT" + struct.pack(">I", zlib.crc32(b"IDAT")))
     with pytest.raises(ValueError, match=r"a\.png .*(100000 x 100000|decompression bomb)"):
         read_image(tmp_path / "a.png")
 

@@ -16,9 +16,7 @@ CHECK = settings(max_examples=60, deadline=None, derandomize=True)
 
 @CHECK
 @given(
-    density=arrays(
-        np.float32, array_shapes(min_dims=3, max_dims=3, max_side=9), elements=st.floats(-9, 9, width=32)
-    ),
+    density=arrays(np.float32, array_shapes(min_dims=3, max_dims=3, max_side=9), elements=st.floats(-9, 9, width=32)),
     frame=st.integers(-(2**31), 2**31),
     note=st.text(st.characters(codec="utf-8", exclude_characters="\0"), max_size=9),
 )

@@ -39,9 +39,7 @@ def test_frames_are_read(text, frames):
     assert parse_frames(text) == frames
 
 
-@pytest.mark.parametrize(
-    "text", ["", " ", "a", "1-", "1,,2", "1-10:3", "1-10x", "1.5", "1–3", "1-2-3", "9" * 5000]
-)
+@pytest.mark.parametrize("text", ["", " ", "a", "1-", "1,,2", "1-10:3", "1-10x", "1.5", "1–3", "1-2-3", "9" * 5000])
 def test_other_forms_are_refused(text):
     """The error names the text and shows the forms that are read."""
     with pytest.raises(ValueError, match=re.escape(repr(text)) + r".*1001-1100x5"):
@@ -102,9 +100,7 @@ def test_a_folder_is_a_sequence(tmp_path):
     assert names(found)[100] == "fire_v2_100.PNG"
 
 
-@pytest.mark.parametrize(
-    ("name", "frame"), [("plate.png", 1), ("front.1001.exr", 1001), ("a[1]#2.####.jpg", 2)]
-)
+@pytest.mark.parametrize(("name", "frame"), [("plate.png", 1), ("front.1001.exr", 1001), ("a[1]#2.####.jpg", 2)])
 def test_one_image_is_a_sequence(tmp_path, name, frame):
     """A file that is there is never taken for a pattern; its number is its frame."""
     touch(tmp_path, name, "front.1002.exr")

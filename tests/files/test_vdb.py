@@ -121,9 +121,7 @@ def test_same_data_same_bytes(tmp_path):
 
 def test_some_grids_only(tmp_path):
     """With names the others are passed over."""
-    write_vdb(
-        tmp_path / "a.vdb", {"a": np.ones((2, 2, 2)), "b": np.full((2, 2, 2), 2), "c": np.ones((2, 2, 2))}
-    )
+    write_vdb(tmp_path / "a.vdb", {"a": np.ones((2, 2, 2)), "b": np.full((2, 2, 2), 2), "c": np.ones((2, 2, 2))})
     file = read_vdb(tmp_path / "a.vdb", names=["b"])
     assert list(file.grids) == ["b"]
     assert (file.grids["b"] == 2).all()

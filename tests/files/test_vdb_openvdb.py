@@ -74,9 +74,7 @@ vdb.write(sys.argv[1], grids=[fog, wind, half], metadata=facts)
 @functools.cache
 def interpreter():
     """Return a Python that has the binding, or None."""
-    found = {
-        shutil.which(name, path="/usr/bin:/usr/local/bin:/opt/homebrew/bin") for name in ("python3", "python")
-    }
+    found = {shutil.which(name, path="/usr/bin:/usr/local/bin:/opt/homebrew/bin") for name in ("python3", "python")}
     for python in (found | {shutil.which("python3"), shutil.which("python")}) - {None}:
         if subprocess.run([python, "-c", BINDING], capture_output=True, timeout=60).returncode == 0:
             return python
@@ -125,9 +123,7 @@ def test_openvdb_reads_every_voxel(tmp_path, case, up, half):
     density = CASES[case]
     velocity = np.stack([density, 2 * density, -density], axis=-1)
     path, origin = tmp_path / "a.vdb", (-100.5, 3000.25, 7.0)
-    write_vdb(
-        path, {"density": density, "velocity": velocity}, up=up, half=half, voxel_size=0.25, origin=origin
-    )
+    write_vdb(path, {"density": density, "velocity": velocity}, up=up, half=half, voxel_size=0.25, origin=origin)
     grids = read_by_openvdb(path)["grids"]
     stored = (lambda value: float(np.float16(value))) if half else float
     x, y, z = origin

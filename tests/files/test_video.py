@@ -19,9 +19,7 @@ def gray_level(index):
     return 20 + 7 * index
 
 
-def encode(
-    path, count=30, codec="libx264", pixel="yuv420p", size=SIZE, options=None, container=None, **settings
-):
+def encode(path, count=30, codec="libx264", pixel="yuv420p", size=SIZE, options=None, container=None, **settings):
     """Write frames whose grey level tells their number, with PyAV alone."""
     with av.open(str(path), "w", options=container or {}) as file:
         stream = file.add_stream(codec, rate=24)
@@ -167,9 +165,7 @@ def test_a_cut_off_video_tells_how_much_is_good(tmp_path):
     path = encode(tmp_path / "a.mp4", options={"g": "8"}, container={"movflags": "faststart"})
     content = path.read_bytes()
     path.write_bytes(content[: len(content) * 9 // 10])
-    with pytest.raises(
-        ValueError, match=r"a\.mp4 is cut off or damaged: the first (\d+) of its 30 frames"
-    ) as caught:
+    with pytest.raises(ValueError, match=r"a\.mp4 is cut off or damaged: the first (\d+) of its 30 frames") as caught:
         Video(path)
     good = int(str(caught.value).split("first ")[1].split()[0])
     assert 1 <= good < 30

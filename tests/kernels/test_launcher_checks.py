@@ -57,7 +57,9 @@ LAUNCHERS = {
         },
         {"footprint": "box"},
     ),
+    blur.convolve: ({"field": volume, "scratch": volume, "out": volume}, {"taps": (None, None, None)}),
     vectors.dot: (pair, {}),
+    vectors.divide: ({**pair, "out": volume}, {"floor": 0.1}),
     vectors.add_scaled: ({**pair, "out": volume}, {"factor": 2.0}),
     vectors.multiply: ({**pair, "out": volume}, {}),
     vectors.sharpen: (
@@ -75,7 +77,13 @@ LAUNCHERS = {
     visual_hull.silhouette_hull: ({"lit": silhouettes, "directions": fan, "out": volume}, {}),
     visual_hull.occupied_runs: ({"hull": volume}, {}),
 }
-OPTIONAL = {(blur.blur, "scratch"), (blur.blur, "out"), (visual_hull.silhouette_hull, "out")}
+OPTIONAL = {
+    (blur.blur, "scratch"),
+    (blur.blur, "out"),
+    (blur.convolve, "scratch"),
+    (blur.convolve, "out"),
+    (visual_hull.silhouette_hull, "out"),
+}
 MAY_BE_SHORT = {
     (vectors.clip, "field"),
     (visual_hull.occupied_runs, "hull"),

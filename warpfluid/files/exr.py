@@ -173,6 +173,4 @@ def _check_half(path: str | Path, arrays: Mapping[str, np.ndarray]) -> None:
     for name, array in arrays.items():
         largest = np.abs(array, where=np.isfinite(array), out=np.zeros(array.shape)).max()
         if largest > LARGEST_HALF:
-            raise ValueError(
-                f"{path}: {name} holds {largest:g}, half floats end at {LARGEST_HALF:g}: use half=False"
-            )
+            raise ValueError(f"{path}: {name} holds {largest:g}, half floats end at {LARGEST_HALF:g}: use half=False")

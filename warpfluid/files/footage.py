@@ -67,23 +67,17 @@ class Footage:
         below = [number for number in self.frames if number < frame][-1:]
         above = [number for number in self.frames if number > frame][:1]
         nearest = " and ".join(str(number) for number in below + above)
-        return (
-            f"nearest to it {'are' if below and above else 'is'} {nearest}, of {format_frames(self.frames)}"
-        )
+        return f"nearest to it {'are' if below and above else 'is'} {nearest}, of {format_frames(self.frames)}"
 
     def _check(self, picture: np.ndarray, name: str) -> None:
         """Refuse a picture that does not belong to the others or holds no light."""
         rows, columns = picture.shape[:2]
         if (columns, rows) != self.size:
             width, height = self.size
-            raise ValueError(
-                f"{name} is {columns} x {rows} pixels, but the first picture is {width} x {height}"
-            )
+            raise ValueError(f"{name} is {columns} x {rows} pixels, but the first picture is {width} x {height}")
         wrong = picture.size - np.count_nonzero(np.isfinite(picture))
         if wrong:
-            raise ValueError(
-                f"{name} holds {wrong} values that are infinite or not numbers: replace them, say by 0"
-            )
+            raise ValueError(f"{name} holds {wrong} values that are infinite or not numbers: replace them, say by 0")
 
 
 def open_footage(source: str | Path, *, first_frame: int = 1) -> Footage:

@@ -99,9 +99,7 @@ def write_png(path: str | Path, array: np.ndarray) -> None:
     array = np.asarray(array)
     pixels = array[..., None] if array.ndim == 2 else array
     if not _is_8_or_16_bit(array.dtype) or pixels.ndim != 3 or pixels.shape[2] not in (1, 3):
-        raise ValueError(
-            f"{path} needs uint8 or uint16, shape (rows, columns[, 3]), not {array.dtype} {array.shape}"
-        )
+        raise ValueError(f"{path} needs uint8 or uint16, shape (rows, columns[, 3]), not {array.dtype} {array.shape}")
     if not pixels.size:
         raise ValueError(f"{path} would have no pixels: the shape is {array.shape}")
     with replacing(path) as file:
@@ -125,8 +123,7 @@ def _encode_png(pixels: np.ndarray) -> bytes:
     header = struct.pack(">IIBBBBB", columns, rows, 8 * pixels.dtype.itemsize, color_type, 0, 0, 0)
     chunks = [(b"IHDR", header), (b"IDAT", zlib.compress(filtered, 6)), (b"IEND", b"")]
     framed = [
-        struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
-        for kind, body in chunks
+        struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body)) for kind, body in chunks
     ]
     return _PNG_SIGNATURE + b"".join(framed)
 

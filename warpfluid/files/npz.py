@@ -44,9 +44,7 @@ def write_npz(path: str | Path, density: np.ndarray, **metadata: float | int | s
     """
     density = np.asarray(density)
     if density.ndim != 3 or density.dtype.kind not in "fiub":
-        raise ValueError(
-            f"density is {density.dtype} of shape {density.shape}; it must be numbers, (x, y, z)"
-        )
+        raise ValueError(f"density is {density.dtype} of shape {density.shape}; it must be numbers, (x, y, z)")
     facts = {name: np.asarray(value) for name, value in metadata.items()}
     for name, fact in facts.items():
         if fact.ndim or fact.dtype.kind not in "fiubU":
@@ -78,9 +76,7 @@ def read_npz(path: str | Path) -> tuple[np.ndarray, dict[str, float | int | str 
         try:
             arrays = _arrays(file)
         except DAMAGE as error:
-            raise ValueError(
-                f"{path}: this is no .npz file of plain arrays, or it is damaged: {error}"
-            ) from error
+            raise ValueError(f"{path}: this is no .npz file of plain arrays, or it is damaged: {error}") from error
     if DENSITY not in arrays:
         found = ", ".join(arrays) or "nothing"
         raise ValueError(f"{path}: no key {DENSITY!r}, only {found}; save the volume under that key")
@@ -88,9 +84,7 @@ def read_npz(path: str | Path) -> tuple[np.ndarray, dict[str, float | int | str 
     volume = density[0] if density.ndim == 4 and len(density) == 1 else density
     if volume.ndim != 3 or volume.dtype.kind not in "fiub":
         raise ValueError(f"{path}: density is {density.dtype} of shape {density.shape}; it must be (x, y, z)")
-    scalars = {
-        name: array for name, array in arrays.items() if not array.ndim and array.dtype.kind in "fiubU"
-    }
+    scalars = {name: array for name, array in arrays.items() if not array.ndim and array.dtype.kind in "fiubU"}
     return np.ascontiguousarray(volume, np.float32), {name: array.item() for name, array in scalars.items()}
 
 

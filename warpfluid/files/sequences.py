@@ -82,9 +82,7 @@ def _parse_chunk(chunk: str, text: str) -> range:
     """Return the frames of one number or range."""
     match = re.fullmatch(r"(-?\d{1,9})(?:-(-?\d{1,9})(?:x(\d{1,9}))?)?", chunk)
     if not match:
-        raise ValueError(
-            f"frames {text!r} have no number at {chunk!r}: write 1001-1100, 1001-1100x5 or 1,5,9"
-        )
+        raise ValueError(f"frames {text!r} have no number at {chunk!r}: write 1001-1100, 1001-1100x5 or 1,5,9")
     first, last, step = int(match[1]), int(match[2] or match[1]), int(match[3] or 1)
     if last < first:
         raise ValueError(f"frames {text!r} run backwards at {chunk!r}: write {last}-{first}")
@@ -168,9 +166,7 @@ def _holds(folder: Path) -> str:
     files = _files(folder)
     images = [file for file in files if _is_image(file)]
     others = sorted({file.suffix or file.name for file in files if not _is_image(file)})
-    parts = ([_list(_group(images))] if images else []) + (
-        [f"other files ({', '.join(others)})"] if others else []
-    )
+    parts = ([_list(_group(images))] if images else []) + ([f"other files ({', '.join(others)})"] if others else [])
     return f"{folder} holds {' and '.join(parts) or 'no files'}"
 
 

@@ -4,6 +4,7 @@ Beyond the box the volume is its own mirror image, so that a blur keeps the tota
 """
 
 import functools
+from collections.abc import Sequence
 
 import numpy as np
 import warp as wp
@@ -131,18 +132,45 @@ def blur(
     sigmas = (sigma,) * 3 if isinstance(sigma, int | float) else tuple(sigma)
     if len(sigmas) != 3 or min(sigmas) < 0:
         raise ValueError(f"sigma is {sigma}, expected a number >= 0 or three, in voxels")
+    device = str(checks.same_device(field=field))
+    taps = [gaussian_taps(float(width), device) if width else None for width in sigmas]
+    return convolve(field, taps, scratch=scratch, out=out)
+
+
+def convolve(
+    field: wp.array3d[float],
+    taps: Sequence[wp.array[float] | None],
+    *,
+    scratch: wp.array3d[float] | None = None,
+    out: wp.array3d[float] | None = None,
+) -> wp.array3d[float]:
+    """Convolve a volume with symmetric taps along each axis.
+
+    Args:
+        field: Shape (x, z, y).
+        taps: An odd number of weights for x, z and y; None leaves an axis alone.
+        scratch: Memory of the field's shape to work in.
+        out: Volume to write; it may be ``field``.
+
+    Returns:
+        The result, shape of ``field``.
+
+    Raises:
+        ValueError: If shapes, types or devices do not fit.
+    """
     scratch = wp.empty_like(field) if scratch is None else scratch
     out = wp.empty_like(field) if out is None else out
     device = checks.same_device(field=field, scratch=scratch, out=out)
     checks.floats(3, field=field, scratch=scratch, out=out)
     checks.same_shape(field=field, scratch=scratch, out=out)
     source = field
-    for axis, width in enumerate(sigmas):
-        if width == 0:
+    for axis, weights in enumerate(taps):
+        if weights is None:
             continue
+        checks.same_device(field=field, taps=weights)
+        checks.floats(1, taps=weights)
         target = scratch if source is not scratch else out
-        taps = gaussian_taps(float(width), str(device))
-        launch(blur_kernel, field.shape, [source, taps, axis], [target], device)
+        launch(blur_kernel, field.shape, [source, weights, axis], [target], device)
         source = target
     if source is not out:
         wp.copy(out, source)

@@ -12,6 +12,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 import warp as wp
 
+from warpfluid.kernels import checks
+
 CPU_RUN = 48
 CUDA_RUN = 4
 
@@ -71,3 +73,26 @@ def launch(kernel: wp.Kernel, shape: tuple[int, int, int], inputs: list, outputs
 
     jobs = [(block, row) for block in range(blocks) for row in range(0, rows, _ROWS_A_JOB)]
     list(_pool(thread_count()).map(work, jobs))
+
+
+def elementwise(kernel: wp.Kernel, inputs: list, out: wp.array) -> wp.array:
+    """Launch a kernel over all elements of arrays of one shape.
+
+    Args:
+        kernel: Takes ``inputs`` and ``out``; its thread index is an element of flat arrays.
+        inputs: Arrays of the shape of ``out``, and numbers.
+        out: Array to write; it may be one of the inputs.
+
+    Returns:
+        ``out``.
+
+    Raises:
+        ValueError: If shapes, types or devices do not fit.
+    """
+    arrays = {f"argument {i}": value for i, value in enumerate(inputs) if not isinstance(value, int | float)}
+    device = checks.same_device(out=out, **arrays)
+    checks.floats(out.ndim, out=out, **arrays)
+    checks.same_shape(out=out, **arrays)
+    flat = [value.flatten() if isinstance(value, wp.array) else value for value in inputs]
+    wp.launch(kernel, dim=out.size, inputs=flat, outputs=[out.flatten()], device=device)
+    return out

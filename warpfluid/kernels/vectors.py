@@ -3,7 +3,7 @@
 import warp as wp
 
 from warpfluid.kernels import checks
-from warpfluid.kernels.launch import RUN_OF_HEIGHTS, launch, run_count
+from warpfluid.kernels.launch import RUN_OF_HEIGHTS, elementwise, launch, run_count
 
 wp.set_module_options({"enable_backward": False})
 
@@ -103,6 +103,13 @@ def apply_mean_kernel(total: wp.array[float], seen: wp.array[float], out: wp.arr
 
 
 @wp.kernel
+def divide_kernel(a: wp.array[float], b: wp.array[float], floor: float, out: wp.array[float]):
+    """Divide, the divisor raised by a floor."""
+    i = wp.tid()
+    out[i] = a[i] / (b[i] + floor)
+
+
+@wp.kernel
 def share_kernel(black: wp.array[float], seen: wp.array[float], out: wp.array[float]):
     """Divide the back-projected black by how often a voxel is seen."""
     i = wp.tid()
@@ -142,12 +149,12 @@ def dot(a: wp.array3d[float], b: wp.array3d[float], *, weights: list[float] | No
 
 def add_scaled(a: wp.array, factor: float, b: wp.array, *, out: wp.array) -> wp.array:
     """Write a + factor b; ``out`` may be ``a`` or ``b``."""
-    return _elementwise(add_scaled_kernel, [a, factor, b], out)
+    return elementwise(add_scaled_kernel, [a, factor, b], out)
 
 
 def multiply(a: wp.array, b: wp.array, *, out: wp.array) -> wp.array:
     """Write the product a b; ``out`` may be ``a`` or ``b``."""
-    return _elementwise(multiply_kernel, [a, b], out)
+    return elementwise(multiply_kernel, [a, b], out)
 
 
 def sharpen(
@@ -161,39 +168,34 @@ def sharpen(
     out: wp.array,
 ) -> wp.array:
     """Write mask (field - fine_weight fine - coarse_weight coarse)."""
-    return _elementwise(sharpen_kernel, [field, fine, coarse, fine_weight, coarse_weight, mask], out)
+    return elementwise(sharpen_kernel, [field, fine, coarse, fine_weight, coarse_weight, mask], out)
 
 
 def clip(field: wp.array, low: float = 0.0) -> wp.array:
     """Raise values below ``low`` to it, in place."""
-    return _elementwise(clip_kernel, [low], field)
+    return elementwise(clip_kernel, [low], field)
 
 
 def ratio(target: wp.array, rendered: wp.array, *, floor: float, cap: float, power: float, out: wp.array) -> wp.array:
     """Write min(target / rendered, cap) ** power, 1 where the rendering is at most ``floor``."""
-    return _elementwise(ratio_kernel, [target, rendered, floor, cap, power], out)
+    return elementwise(ratio_kernel, [target, rendered, floor, cap, power], out)
 
 
 def apply_mean(field: wp.array, total: wp.array, seen: wp.array) -> wp.array:
     """Multiply a volume by total / seen, in place: a factor back-projected and averaged over its rays."""
-    return _elementwise(apply_mean_kernel, [total, seen], field)
+    return elementwise(apply_mean_kernel, [total, seen], field)
+
+
+def divide(a: wp.array, b: wp.array, *, floor: float, out: wp.array) -> wp.array:
+    """Write a / (b + floor); ``out`` may be ``a``."""
+    return elementwise(divide_kernel, [a, b, floor], out)
 
 
 def share(black: wp.array, seen: wp.array, *, out: wp.array) -> wp.array:
     """Write black / seen; ``out`` may be ``black``."""
-    return _elementwise(share_kernel, [black, seen], out)
+    return elementwise(share_kernel, [black, seen], out)
 
 
 def fade(field: wp.array, share: wp.array, cover: wp.array, *, limit: float) -> wp.array:
     """Scale a volume by 1 - (share / cover) / limit, kept within 0 and 1, in place."""
-    return _elementwise(fade_kernel, [share, cover, limit], field)
-
-
-def _elementwise(kernel: wp.Kernel, inputs: list, out: wp.array) -> wp.array:
-    arrays = {f"argument {i}": value for i, value in enumerate(inputs) if isinstance(value, wp.array)}
-    device = checks.same_device(out=out, **arrays)
-    checks.floats(out.ndim, out=out, **arrays)
-    checks.same_shape(out=out, **arrays)
-    flat = [value.flatten() if isinstance(value, wp.array) else value for value in inputs]
-    wp.launch(kernel, dim=out.size, inputs=flat, outputs=[out.flatten()], device=device)
-    return out
+    return elementwise(fade_kernel, [share, cover, limit], field)

@@ -121,9 +121,9 @@ def apply_shoulder(light: np.ndarray, strength: float) -> np.ndarray:
 
 def _within_half_turn(images: np.ndarray, angles_deg: tuple[float, ...]) -> tuple[np.ndarray, tuple[float, ...]]:
     """Bring angles into [0, 180); an odd number of half turns mirrors a view."""
-    turns = np.floor(np.asarray(angles_deg, np.float64) / 180).astype(int)
+    turns = np.floor(np.round(np.asarray(angles_deg, np.float64), 9) / 180).astype(int)
     images = np.stack([image[::-1] if turn % 2 else image for image, turn in zip(images, turns, strict=True)])
-    return images, tuple(float(a - 180 * turn) for a, turn in zip(angles_deg, turns, strict=True))
+    return images, tuple(max(float(a - 180 * turn), 0.0) for a, turn in zip(angles_deg, turns, strict=True))
 
 
 def _hull(images, angles_deg, threshold, half_depth, device) -> np.ndarray:

@@ -45,9 +45,7 @@ def render_turntable(
     return apply_ramp(_enlarge(images), ramp, _exposure(images) if white is None else white)
 
 
-def strip(
-    volume, angles_deg: Sequence[float], ramp: str = "fire", *, white: float | None = 255.0
-) -> np.ndarray:
+def strip(volume, angles_deg: Sequence[float], ramp: str = "fire", *, white: float | None = 255.0) -> np.ndarray:
     """Return the stills of ``render_turntable`` side by side, uint8, shape (rows, columns, 3)."""
     return in_a_row(render_turntable(volume, angles_deg, ramp, white=white))
 

@@ -34,9 +34,7 @@ def unpack(data: bytes, size: int) -> bytes:
     parts = []
     for index, start in enumerate(starts.tolist()):
         length = min(part, size - index * part)
-        split = (
-            not flags & WHOLE and number <= SPLIT_BYTES and part // number >= SPLIT_NUMBERS and length == part
-        )
+        split = not flags & WHOLE and number <= SPLIT_BYTES and part // number >= SPLIT_NUMBERS and length == part
         opened = _unpack_part(data, start, length, number if split else 1)
         parts.append(_unshuffle(opened, number) if flags & SHUFFLED else opened)
     return b"".join(parts)

@@ -28,9 +28,7 @@ METADATA = {
 }
 
 CREATOR = "warpfluid"
-SHAPE_KEY = (
-    "warpfluid_shape"  # of the array as it was given: empty voxels on its outside leave no other trace
-)
+SHAPE_KEY = "warpfluid_shape"  # of the array as it was given: empty voxels on its outside leave no other trace
 UP_KEY = "warpfluid_up"
 
 ID = slice(21, 57)  # where the file's id stands

@@ -160,9 +160,7 @@ def _on_one_lattice(grids: dict[str, _Grid], metadata: dict, trusted: bool) -> V
     """Fill arrays that hold all grids."""
     lattices = {grid.lattice for grid in grids.values()}
     if len(lattices) > 1:
-        raise ValueError(
-            f"the grids {', '.join(grids)} differ in voxel size or place; choose with names=[...]"
-        )
+        raise ValueError(f"the grids {', '.join(grids)} differ in voxel size or place; choose with names=[...]")
     up, voxel_size, shift = lattices.pop()
     boxes = [box for grid in grids.values() for box in grid.boxes()] or [np.array([[0, 0, 0], [-1, -1, -1]])]
     low, high = np.min(boxes, 0)[0], np.max(boxes, 0)[1]

@@ -102,9 +102,7 @@ class _Nodes:
         for _ in range(children):
             first = np.array(self.stream.unpack("<3i"), np.int64)
             if (first % layout.UPPER).any():
-                raise ValueError(
-                    f"the file is damaged: a node begins at {first.tolist()}, not at a cube of 4096"
-                )
+                raise ValueError(f"the file is damaged: a node begins at {first.tolist()}, not at a cube of 4096")
             for lower in self.read_node(first, 32, layout.LOWER):
                 leaves = self.read_node(lower, 16, layout.LEAF)
                 self.leaves.append(leaves)

@@ -101,15 +101,11 @@ def _checked_grid(name: str, array: np.ndarray, half: bool) -> np.ndarray:
     if not np.isfinite(array).all():
         raise ValueError(f"grid {name!r} holds NaN, infinity or more than float32 can; clean it first")
     if half and max(array.max(), -array.min()) > LARGEST_HALF:
-        raise ValueError(
-            f"grid {name!r} exceeds {LARGEST_HALF:g}, the largest half; scale it or use half=False"
-        )
+        raise ValueError(f"grid {name!r} exceeds {LARGEST_HALF:g}, the largest half; scale it or use half=False")
     return array
 
 
-def _append_grid(
-    file: bytearray, name: str, leaves: Leaves, facts: dict, transform: bytes, half: bool
-) -> None:
+def _append_grid(file: bytearray, name: str, leaves: Leaves, facts: dict, transform: bytes, half: bool) -> None:
     """Append one grid: where its parts stand, then metadata, transform, topology, buffers."""
     components = leaves.values.shape[1]
     tree = next(tree for tree, count in layout.TREES.items() if count == components)
