@@ -15,7 +15,7 @@ LAYERS = [
     {"files", "options", "kernels", "device", "errors"},
     {
         *("views", "matting", "sources", "shot", "row_sums", "estimate", "inspection", "views_picture"),
-        *("metrics", "projector", "settings", "run"),
+        *("metrics", "projector", "settings", "run", "motion"),
     },
     {"reconstruction", "rendering"},
     {"report", "report_html", "run_report", "commands", "progress", "doctor"},

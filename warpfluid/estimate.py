@@ -1,6 +1,7 @@
 """What a reconstruction will cost, before it runs."""
 
 import os
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,6 +15,7 @@ SECONDS_A_VOXEL = 6e-8  # of the whole box: noise, least squares, file
 SECONDS_AN_ITERATION = 0.05
 SECONDS_A_RAY_STEP = 1.9e-10  # one projection or back-projection, by angle and voxel inside the hull
 SECONDS_A_STATISTIC = 7e-8  # one M-step, by angle and pixel
+SECONDS_A_FLOW_PIXEL = 7e-6
 SECONDS_OF_FILM = 2.0
 SECONDS_OF_PAGE = 1.5  # by frame shown
 SHOWN_FRAMES = 6
@@ -65,14 +67,30 @@ def estimate_cost(size: tuple[int, int], share: float, options: ReconstructOptio
     return seconds, int(voxels * (BYTES_A_VOXEL + part * BYTES_A_HULL_VOXEL) + pixels * BYTES_A_PIXEL)
 
 
-def estimate_run(frames: int, seconds_a_frame: float) -> float:
+def estimate_carried(size: tuple[int, int], share: float, options: ReconstructOptions, views: int) -> float:
+    """Return seconds for a frame that starts from the one before.
+
+    Args:
+        size: Width and height of an image [pixel].
+        share: Share of the box inside the visual hull.
+        options: Iterations, angles and steps.
+        views: How many.
+    """
+    if options.coherence == "none" or options.method == "lsm":
+        return estimate_cost(size, share, options)[0]
+    few = replace(options, iterations=options.coherent_iterations)
+    return estimate_cost(size, share, few)[0] + views * size[0] * size[1] * SECONDS_A_FLOW_PIXEL
+
+
+def estimate_run(frames: int, first: float, others: float) -> float:
     """Return seconds for a run with film and page.
 
     Args:
         frames: How many.
-        seconds_a_frame: What ``estimate_cost`` found.
+        first: Seconds for the first frame.
+        others: Seconds for each of the others.
     """
-    return frames * seconds_a_frame + SECONDS_OF_FILM + min(frames, SHOWN_FRAMES) * SECONDS_OF_PAGE
+    return first + (frames - 1) * others + SECONDS_OF_FILM + min(frames, SHOWN_FRAMES) * SECONDS_OF_PAGE
 
 
 def check_memory(needed: int, width: int, device) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from warpfluid.estimate import estimate_cost, estimate_run, format_duration, hull_share
+from warpfluid.estimate import estimate_carried, estimate_cost, estimate_run, format_duration, hull_share
 from warpfluid.files.sequences import format_frames
 from warpfluid.matting import LIT
 from warpfluid.options import BRIGHT_FLAME, ReconstructOptions
@@ -64,7 +64,8 @@ class Inspection:
     frame_count: int
     volume_size: tuple[int, int, int]  # x, y, z [voxel]
     hull_share: float
-    seconds_a_frame: float
+    seconds_a_frame: float  # one that starts anew
+    seconds_a_carried_frame: float  # one that starts from the frame before
     memory_bytes: int
     options: ReconstructOptions  # with the choices made that depend on the footage
     notes: tuple[str, ...]
@@ -89,10 +90,13 @@ class Inspection:
 
     def _needs(self) -> str:
         frames = f"{self.frame_count} frame{'s' * (self.frame_count > 1)}"
-        whole = format_duration(estimate_run(self.frame_count, self.seconds_a_frame))
-        a_frame = format_duration(self.seconds_a_frame)
+        whole = format_duration(estimate_run(self.frame_count, self.seconds_a_frame, self.seconds_a_carried_frame))
+        a_frame = f"{format_duration(self.seconds_a_frame)} a frame"
+        if self.frame_count > 1 and self.options.coherence == "flow":
+            carried = format_duration(self.seconds_a_carried_frame)
+            a_frame = f"{format_duration(self.seconds_a_frame)} the first frame, {carried} each of the others"
         memory = max(self.memory_bytes / 1e9, 0.01)
-        return f"{frames}, about {whole} on two CPU cores ({a_frame} a frame) and {memory:.2g} GB of memory"
+        return f"{frames}, about {whole} on two CPU cores ({a_frame}) and {memory:.2g} GB of memory"
 
 
 def inspect_shot(shot: Shot, options: ReconstructOptions | None = None) -> Inspection:
@@ -122,6 +126,7 @@ def inspect_shot(shot: Shot, options: ReconstructOptions | None = None) -> Inspe
         volume_size=(shot.size[0], shot.size[1], shot.size[0]),
         hull_share=share,
         seconds_a_frame=seconds,
+        seconds_a_carried_frame=estimate_carried(shot.size, share, options, len(views)),
         memory_bytes=memory,
         options=options,
         notes=shot.notes,

@@ -60,6 +60,14 @@ class ReconstructOptions:
         int | None,
         "Views that appearance is transferred to; from the width by default, 180 for the paper's sizes",
     ] = None
+    # time
+    coherence: Annotated[
+        Literal["flow", "none"],
+        "flow: a frame starts from the one before, carried along by the footage; none: frames alone (the paper)",
+    ] = "flow"
+    coherent_iterations: Annotated[int, "EM iterations of a carried frame; 2 are crisper and less calm"] = 1
+    flow: Annotated[Literal["ilk", "tvl1"], "Optical flow: iterative Lucas-Kanade, or TV-L1"] = "ilk"
+    # rays
     footprint: Annotated[
         Literal["box", "joseph"], "What a voxel looks like to a ray: box conserves light in every view"
     ] = "box"
@@ -165,6 +173,7 @@ class OutputOptions:
 
 PAPER = {
     "angles": 180,
+    "coherence": "none",
     "preconditioner": "none",
     "input_weight": 10.0,
     "row_sums": False,
@@ -179,6 +188,7 @@ PAPER = {
 
 RANGES = {
     "iterations": (0, 1000),
+    "coherent_iterations": (0, 1000),
     "angles": (2, 7200),
     "cg_steps": (1, 1000),
     "lsm_steps": (1, 1000),

@@ -145,19 +145,18 @@ class Run:
         path = self.volume_path(frame)
         for left in self.folder.glob(f".{path.name}.*.tmp"):  # of a run that was killed while it wrote this frame
             left.unlink(missing_ok=True)
-        threshold = output.drop_below * float(density.max())
+        kept = stored(density, output)
         size, width, depth = output.voxel_size, density.shape[0], density.shape[1]
         write_vdb(
             path,
-            {"density": density.transpose(0, 2, 1)},
+            {"density": kept.transpose(0, 2, 1)},
             voxel_size=size,
             origin=(-(width - 1) / 2 * size, 0.5 * size, -(depth - 1) / 2 * size),
             half=output.half,
-            threshold=threshold,
             up=output.up,
             metadata={"frame": frame},
         )
-        lost = lost_mass(density, threshold)
+        lost = lost_mass(density, output.drop_below * float(density.max()))
         record = {"frame": frame, "file": path.name, **record, "mass_dropped": lost}
         self._append(json.dumps(record, allow_nan=False))
         return record
@@ -199,6 +198,17 @@ class Run:
             file.write(b"\n" * half + line.encode() + b"\n")  # in one piece: others may append, too
             file.flush()
             os.fsync(file.fileno())
+
+
+def stored(density: np.ndarray, output: OutputOptions) -> np.ndarray:
+    """Return a volume as its file gives it back: faint density dropped, in half precision if so chosen.
+
+    Args:
+        density: Shape (x, z, y).
+        output: How it is stored.
+    """
+    kept = np.where(density > output.drop_below * float(density.max()), density, np.float32(0))
+    return kept.astype(np.float16).astype(np.float32) if output.half else kept
 
 
 def versions() -> dict[str, str]:

@@ -65,14 +65,15 @@ class Shot:
         """Return the images of a frame; they may be black all over.
 
         Args:
-            frame: One of ``frames``.
+            frame: One of ``frames``, or another one that every view has.
             equalize_rows: Instead of the shot's own choice.
 
         Raises:
             ValueError: If the shot has no such frame.
         """
-        if frame not in self.frames:
-            raise ValueError(f"frame {frame} is not one of the shot's frames, {format_frames(self.frames)}")
+        lacking = [source.name for source in self.sources if frame not in source.frames]
+        if lacking:
+            raise ValueError(f"{' and '.join(lacking)} has no frame {frame}")
         images = np.stack([source.image(frame) for source in self.sources])
         if self.equalize_rows if equalize_rows is None else equalize_rows:
             images = matting.equalize_rows(images)

@@ -7,7 +7,7 @@ import pytest
 import warp as wp
 
 from warpfluid.device import pick_device
-from warpfluid.kernels import blur, projection, vectors, visual_hull
+from warpfluid.kernels import advection, blur, filling, flow_lift, projection, vectors, visual_hull
 from warpfluid.projector import directions
 
 N, HEIGHTS, ANGLES = 6, 50, [0.0, 30.0, 90.0]
@@ -58,6 +58,14 @@ LAUNCHERS = {
         {"footprint": "box"},
     ),
     blur.convolve: ({"field": volume, "scratch": volume, "out": volume}, {"taps": (None, None, None)}),
+    advection.advect: (
+        {"field": volume, "velocity_x": volume, "velocity_z": volume, "velocity_y": volume, "out": volume},
+        {},
+    ),
+    filling.missing: ({"picture": images, "rendered": images, "out": images}, {"slack": 1.2}),
+    filling.widen: ({"lack": volume, "total": volume, "seen": volume}, {}),
+    filling.fill: ({"volume": volume, "lack": volume, "source": volume}, {"gain": 2.0}),
+    flow_lift.lift: ({"flow_u": images, "flow_v": images, "directions": fan}, {"shape": (N, N, HEIGHTS)}),
     vectors.dot: (pair, {}),
     vectors.divide: ({**pair, "out": volume}, {"floor": 0.1}),
     vectors.add_scaled: ({**pair, "out": volume}, {"factor": 2.0}),
@@ -78,6 +86,7 @@ LAUNCHERS = {
     visual_hull.occupied_runs: ({"hull": volume}, {}),
 }
 OPTIONAL = {
+    (advection.advect, "out"),
     (blur.blur, "scratch"),
     (blur.blur, "out"),
     (blur.convolve, "scratch"),
@@ -152,7 +161,7 @@ def test_refuses_arrays_on_different_devices(launcher, device):
         launcher(**kwargs)
 
 
-@pytest.mark.parametrize("module", [blur, projection, vectors, visual_hull])
+@pytest.mark.parametrize("module", [advection, blur, filling, flow_lift, projection, vectors, visual_hull])
 def test_no_launcher_is_left_out(module):
     """A public function that takes arrays is in the table above."""
     public = {

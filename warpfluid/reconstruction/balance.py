@@ -5,6 +5,8 @@ proportional fitting). Density stays non-negative and dark places stay dark, and
 exact, which neither a clip after conjugate gradients nor a large weight on the inputs can.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 import warp as wp
 
@@ -37,6 +39,11 @@ class Balancing:
         measured = slice(0, inputs.measured)
         return cls(inputs.images[measured], inputs.projectors(inputs.angles_deg[measured], footprint))
 
+    @property
+    def views(self) -> Iterator[tuple[Projector, wp.array, wp.array]]:
+        """For each view its projector, its image, and how often it sees a voxel."""
+        return zip(self._views, self._images, self._seen, strict=True)
+
     def apply(self, volume: wp.array, sweeps: int, *, power: float = 1.0) -> wp.array:
         """Balance a volume in place.
 
@@ -49,7 +56,7 @@ class Balancing:
             The volume.
         """
         for _ in range(sweeps):
-            for view, image, seen in zip(self._views, self._images, self._seen, strict=True):
+            for view, image, seen in self.views:
                 rendered = view.project(volume)
                 vectors.ratio(image, rendered, floor=FLOOR, cap=CAP, power=power, out=rendered)
                 view.backproject(rendered, out=self._factor)

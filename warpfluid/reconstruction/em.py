@@ -56,22 +56,38 @@ def reconstruct(
     inputs = make_inputs(views, options, device)
     if not (inputs.images > inputs.threshold).any():
         return _empty(views)
-    pixel = views.white / 255
     initial = least_squares(inputs, options)
     volume, energies = initial, np.zeros((0, 2))
     if options.method == "appearance-transfer":
         rough = start is None
-        volume = rough_start(inputs, options, initial) if rough else given_start(inputs, options, start / pixel)
+        volume = (
+            rough_start(inputs, options, initial)
+            if rough
+            else given_start(inputs, options, start * np.float32(255 / views.white))
+        )
         energies = Iteration(inputs, options).run(volume, progress)
-    volume = inputs.whole(volume)
+    return finish(views, options, inputs, volume, initial, energies)
+
+
+def finish(
+    views: Views,
+    options: ReconstructOptions,
+    inputs: Inputs,
+    volume: wp.array,
+    initial: wp.array,
+    energies: np.ndarray,
+) -> Reconstruction:
+    """Return the result in the whole box and in the views' pixel values."""
+    pixel = np.float32(views.white / 255)
+    whole = inputs.whole(volume)
     if len(views.angles_deg) == 1 and options.stand_in == "measured":
-        volume = _symmetric(volume, views.angles_deg[0])
+        whole = _symmetric(whole, views.angles_deg[0])
     return Reconstruction(
-        volume=volume * np.float32(pixel),
-        initial=inputs.whole(initial) * np.float32(pixel),
+        volume=whole * pixel,
+        initial=inputs.whole(initial) * pixel,
         energies=energies,
         angles_deg=views.angles_deg,
-        hull_share=float(inputs.hull.numpy().sum(dtype=np.float64) / volume.size),
+        hull_share=float(inputs.hull.numpy().sum(dtype=np.float64) / whole.size),
         white=views.white,
     )
 
@@ -113,8 +129,17 @@ class Iteration:
             self._fan.backproject(ones, out=self._seen)
             blur(inputs.hull, options.fade_blur, scratch=self._scratch, out=self._cover)
 
-    def run(self, volume: wp.array, progress: Progress | None = None) -> np.ndarray:
-        """Alternate M-step and E-step, changing the volume in place; return the energies, shape (iteration, 2)."""
+    def run(self, volume: wp.array, progress: Progress | None = None, *, fade_first: bool = False) -> np.ndarray:
+        """Alternate M-step and E-step.
+
+        Args:
+            volume: Where to start, over the inputs' part of the box; changed in place.
+            progress: Called after each iteration with its number and the energy.
+            fade_first: Fade in the first iteration too; the M-step of a rough start still sees the start's silhouette.
+
+        Returns:
+            The energies, shape (iteration, 2).
+        """
         energies = np.zeros((self.options.iterations, 2))
         rendered = self._fan.project(volume)
         for iteration in range(self.options.iterations):
@@ -122,7 +147,7 @@ class Iteration:
             residual = wp.array(made, dtype=float, device=self.device)
             vectors.add_scaled(residual, -1.0, rendered, out=residual)
             energies[iteration, 0] = vectors.dot(residual, residual)
-            self._e_step(volume, residual, made, iteration)
+            self._e_step(volume, residual, made, fade=fade_first or iteration > 0)
             self._fan.project(volume, out=rendered)
             targets = wp.array(made, dtype=float, device=self.device)
             vectors.add_scaled(targets, -1.0, rendered, out=residual)
@@ -140,7 +165,7 @@ class Iteration:
         made[self._at] = self._measured
         return made
 
-    def _e_step(self, volume: wp.array, residual: wp.array, made: np.ndarray, iteration: int) -> None:
+    def _e_step(self, volume: wp.array, residual: wp.array, made: np.ndarray, *, fade: bool) -> None:
         """Fit the volume to the modified views, in place."""
         options, hull = self.options, self.inputs.hull
         self._solver.improve(volume, residual, options.cg_steps)
@@ -149,7 +174,7 @@ class Iteration:
         if options.blur > 0:
             blur(volume, options.blur, scratch=self._scratch, out=volume)
             vectors.multiply(volume, hull, out=volume)
-        if options.fade > 0 and iteration > 0:  # the first M-step still sees the start's silhouette
+        if options.fade > 0 and fade:
             self._fade(volume, made)
         if options.slice_rescale:
             self._rescale_slices(volume)

@@ -7,11 +7,13 @@ import numpy as np
 
 from warpfluid.errors import describe
 from warpfluid.metrics import psnr
+from warpfluid.reconstruction.coherence import follow
 from warpfluid.reconstruction.em import reconstruct
 from warpfluid.reconstruction.inputs import apply_shoulder
-from warpfluid.run import Run
+from warpfluid.run import Run, stored
 from warpfluid.settings import Settings
 from warpfluid.shot import Shot
+from warpfluid.views import Views
 
 Progress = Callable[[int, int, float], None]
 
@@ -25,7 +27,7 @@ def reconstruct_frames(
     frames: Iterable[int] | None = None,
     progress: Progress | None = None,
 ) -> Iterator[dict]:
-    """Reconstruct frames into a run, one after the other.
+    """Reconstruct frames into a run, one after the other, each from the one before where that is coherent.
 
     Args:
         shot: The footage.
@@ -39,24 +41,48 @@ def reconstruct_frames(
     Yields:
         The record of every frame; one that failed has the key ``error``.
     """
+    before: tuple[int, np.ndarray, Views] | None = None
     for frame in shot.frames if frames is None else frames:
         try:
-            yield _reconstruct_frame(shot, settings, run, frame, device, progress)
+            if settings.reconstruct.coherence == "flow":
+                before = _frame_before(shot, run, frame, before)
+            record, volume, views = _reconstruct_frame(shot, settings, run, frame, before, device, progress)
+            before = (frame, volume, views)
+            yield record
         except Exception as error:  # one frame must not end the run, whichever library gave up
             yield {"frame": frame, "error": describe(error)}
 
 
-def _reconstruct_frame(shot: Shot, settings: Settings, run: Run, frame: int, device, progress: Progress | None) -> dict:
-    begin = time.perf_counter()
-    views = shot.views(frame)
+def _frame_before(shot: Shot, run: Run, frame: int, latest: tuple | None) -> tuple[int, np.ndarray, Views] | None:
+    """Return number, volume and views of the frame before, from this run or from an earlier part of it."""
+    done = run.records()
+    earlier = [number for number in {*shot.frames, *done} if number < frame]
+    if not earlier or max(earlier) not in done:
+        return None
+    wanted = max(earlier)
+    return latest if latest and latest[0] == wanted else (wanted, run.volume(wanted), shot.views(wanted))
+
+
+def _reconstruct_frame(
+    shot: Shot, settings: Settings, run: Run, frame: int, before: tuple | None, device, progress: Progress | None
+) -> tuple[dict, np.ndarray, Views]:
+    """Reconstruct and write a frame; return its record, its volume as stored, and its views."""
+    begin, result = time.perf_counter(), None
+    views, options = shot.views(frame), settings.reconstruct
     report = (lambda iteration, energy: progress(frame, iteration, energy)) if progress else None
-    result = reconstruct(views, settings.reconstruct, progress=report, device=device)
-    rendered = apply_shoulder(result.render(views.angles_deg), settings.reconstruct.shoulder)
+    if before and options.coherence == "flow" and options.method != "lsm":
+        result = follow(before[1], before[2], views, options, progress=report, device=device)
+    carried = result is not None
+    if not carried:
+        result = reconstruct(views, options, progress=report, device=device)
+    rendered = apply_shoulder(result.render(views.angles_deg), options.shoulder)
     record = {
+        "carried": carried,
         "energies": result.energies.tolist(),
         "hull_share": result.hull_share,
         "input_psnr": [round(psnr(*pair, views.white), 2) for pair in zip(rendered, views.images, strict=True)],
         "total": float(result.volume.sum(dtype=np.float64)),
         "seconds": round(time.perf_counter() - begin, 3),
     }
-    return run.write_frame(frame, result.volume, settings.output, record)
+    written = run.write_frame(frame, result.volume, settings.output, record)
+    return written, stored(result.volume, settings.output), views
