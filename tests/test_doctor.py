@@ -1,10 +1,12 @@
 """The doctor reports what there is and what is not, and never fails."""
 
 import json
+import re
 
 from tiny import run
 
 from warpfluid import doctor
+from warpfluid.cli import app
 
 
 def test_report(capsys):
@@ -29,6 +31,7 @@ def test_what_is_missing_is_told(monkeypatch, capsys):
     text = capsys.readouterr().out
     for words in (
         "windows      no",
+        "warpfluid draws without them",
         "libgl1",
         "MISSING",
         "NOT KEPT: set WARP_CACHE_PATH",
@@ -36,3 +39,4 @@ def test_what_is_missing_is_told(monkeypatch, capsys):
         "install av",
     ):
         assert words in text
+    assert set(re.findall(r"`(\w+)`", text)) <= set(app)  # no command is named that there is not

@@ -48,7 +48,7 @@ def lines(found: dict) -> list[str]:
         f"video        reads H.264: {_yes(video['read'])}, writes it: {_yes(video['write'])}"
         + ("" if all(video.values()) else "; install av from PyPI, its wheels have both"),
         f"windows      {_yes(found['windows'])}"
-        + ("" if found["windows"] else "; only `preview` needs them: install libgl1 or Mesa"),
+        + ("" if found["windows"] else "; warpfluid draws without them; scripts that open pyvista need libgl1 or Mesa"),
     ]
 
 
