@@ -16,6 +16,13 @@ from warpfluid.files.npz import read_npz
 from warpfluid.run import Run
 
 FRAMES = range(1001, 1005)
+# A shell starts what runs in its background with Ctrl-C ignored, and tests may run there.
+HEEDING = """
+import signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from warpfluid.cli import main
+sys.exit(main())
+"""
 
 
 @pytest.fixture
@@ -109,7 +116,7 @@ def test_a_finished_run_repeats_itself(tmp_path, flags, unbroken, monkeypatch, c
 
 def started(tmp_path, flags, frames):
     """Start a long run in a process of its own; return it once two frames are there."""
-    command = [sys.executable, "-m", "warpfluid", "reconstruct", *flags, "-o", tmp_path / "broken"]
+    command = [sys.executable, "-c", HEEDING, "reconstruct", *flags, "-o", tmp_path / "broken"]
     process = subprocess.Popen(list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     give_up = time.monotonic() + 300  # kernels may have to be compiled
     while not (tmp_path / "broken" / f"density.{frames[1]:04d}.vdb").exists() and process.poll() is None:
