@@ -113,7 +113,8 @@ def open_shot(views: Sequence[str | tuple[float, str]], options: InputOptions | 
         found = ", ".join(f"{s.name} {w} x {h}" for s, (w, h) in zip(sources, sizes, strict=True))
         problems.append(f"the views have unlike sizes ({found}): make them equal with --resolution or --crop")
     for source in sources:
-        for frame in frames:  # a damaged picture must not come up in the middle of a long run
+        # a damaged picture must not come up in the middle of a long run
+        for frame in sorted(set(frames) & set(source.frames)):
             problems.attempt(source.footage.read, frame - source.offset)
     problems.raise_if_any()
     sources = [problems.attempt(prepare, source, frames, sizes[0], options) for source in sources]

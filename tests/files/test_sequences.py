@@ -173,3 +173,16 @@ def test_two_frame_numbers_are_refused(tmp_path):
     """A pattern has one place for the frame number."""
     with pytest.raises(ValueError, match="two places"):
         find_sequence(tmp_path / "a.####.%04d.png")
+
+
+def test_folders_with_images_are_named(tmp_path):
+    """The folder above the pictures is a slip: those below that have some are named, hidden and empty ones not."""
+    for name in ("front", "side", ".cache", "empty"):
+        (tmp_path / name).mkdir()
+    for name in ("front/a.1.png", "front/a.2.png", "side/b.1.exr", ".cache/c.png", "empty/notes.txt"):
+        (tmp_path / name).touch()
+    with pytest.raises(FileNotFoundError, match=r"in it, front \(2\), side \(1\) hold images: name one"):
+        find_sequence(tmp_path)
+    (tmp_path / "side" / "b.1.exr").unlink()
+    with pytest.raises(FileNotFoundError, match=r"in it, front \(2\) holds images"):
+        find_sequence(tmp_path)

@@ -1,5 +1,6 @@
 """Numbered image files, and sets of frame numbers as text."""
 
+import os
 import re
 from collections.abc import Iterable, Mapping
 from fnmatch import fnmatchcase
@@ -167,10 +168,29 @@ def _holds(folder: Path) -> str:
     images = [file for file in files if _is_image(file)]
     others = sorted({file.suffix or file.name for file in files if not _is_image(file)})
     parts = ([_list(_group(images))] if images else []) + ([f"other files ({', '.join(others)})"] if others else [])
-    return f"{folder} holds {' and '.join(parts) or 'no files'}"
+    rich = [] if images else [f"{inner.name} ({count})" for inner in _folders(folder) if (count := _image_count(inner))]
+    inside = f"; in it, {_first(rich)} hold{'s' * (len(rich) == 1)} images: name one of these folders" if rich else ""
+    return f"{folder} holds {' and '.join(parts) or 'no files'}{inside}"
 
 
-def _list(sequences: Mapping[str, list[tuple[int, Path]]], most: int = 5) -> str:
+def _folders(folder: Path) -> list[Path]:
+    """Return the folders in a folder but hidden ones and those that may not be read."""
+    return sorted(
+        inner
+        for inner in folder.iterdir()
+        if inner.is_dir() and not inner.name.startswith(".") and os.access(inner, os.R_OK | os.X_OK)
+    )
+
+
+def _image_count(folder: Path) -> int:
+    return sum(map(_is_image, _files(folder)))
+
+
+def _list(sequences: Mapping[str, list[tuple[int, Path]]]) -> str:
     """Name sequences with their length, the first few of them."""
-    named = [f"{pattern} ({len(files)})" for pattern, files in list(sequences.items())[:most]]
-    return ", ".join(named) + (f" and {len(sequences) - most} more" if len(sequences) > most else "")
+    return _first([f"{pattern} ({len(files)})" for pattern, files in sequences.items()])
+
+
+def _first(names: list[str], most: int = 5) -> str:
+    """Name the first few, and say how many more there are."""
+    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
