@@ -14,7 +14,7 @@ import warpfluid
 LAYERS = [
     {"files", "options", "kernels", "device", "errors"},
     {
-        *("views", "matting", "sources", "shot", "row_sums", "estimate", "inspection", "views_picture"),
+        *("views", "matting", "sources", "shot", "row_sums", "estimate", "hints", "inspection", "views_picture"),
         *("metrics", "projector", "settings", "run", "motion"),
     },
     {"reconstruction", "rendering"},

@@ -1,14 +1,16 @@
 """Inspection: row sums tell a known offset, shift and exposure, and the hints say what to do."""
 
 import json
+import re
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from warpfluid.estimate import estimate_cost, hull_share
+from warpfluid.estimate import estimate_cost, hull_share, machine_memory
 from warpfluid.files.images import read_image, write_png
+from warpfluid.hints import cost_hints
 from warpfluid.inspection import inspect_shot, write_views_picture
 from warpfluid.options import InputOptions, ReconstructOptions
 from warpfluid.row_sums import compare_row_sums
@@ -80,6 +82,30 @@ def test_cost_grows_with_the_volume():
     assert estimate_cost((256, 256), 0.2, ReconstructOptions(method="lsm", angles=90))[0] < small[0]
 
 
+def test_long_runs_are_given_a_width():
+    """A run of hours or of too much memory gets a smaller width that takes minutes; a short one gets none."""
+    options = ReconstructOptions(coherence="none")
+    assert cost_hints((256, 256), 8, 0.1, options, 2) == []
+    (hint,) = cost_hints((512, 512), 200, 0.2, options, 2)
+    width = int(re.search(r"--resolution (\d+) ", hint)[1])
+    seconds = estimate_cost((width, width), 0.2, options)[0]
+    assert 64 <= width < 512
+    assert 200 * seconds < 1300
+    (huge,) = cost_hints((6000, 4000), 1, 0.01, options, 2)
+    width = int(re.search(r"--resolution (\d+) ", huge)[1])
+    assert estimate_cost((width, width * 2 // 3), 0.01, options)[1] < machine_memory() / 2 + 1e9
+    assert cost_hints((80, 80), 10**7, 0.2, options, 1)[0].startswith("this is a long")
+
+
+@pytest.mark.parametrize(("offset", "words"), [(1, "1 frame earlier"), (-1, "1 frame later"), (3, "3 frames earlier")])
+def test_one_frame_is_no_frames(tmp_path, offset, words):
+    """Hints count as people do."""
+    front = write(tmp_path / "front", flame)
+    side = write(tmp_path / "side", lambda frame: flame(frame - offset))
+    (hint,) = [hint for hint in inspect_shot(open_shot([f"0={front}", f"90={side}"])).hints if "rows" in hint]
+    assert f"play it {words}" in hint
+
+
 def flame(frame, tall=32, wide=24):
     """A puff that rises, uint8 (rows, columns)."""
     rows, columns = np.mgrid[0:tall, 0:wide]
@@ -134,6 +160,47 @@ def test_hints(tmp_path, make, words):
     """Footage that an option would help gets that option as a hint."""
     found = inspect_shot(open_shot([f"0={write(tmp_path / 'a', make)}"]), ReconstructOptions(hull="silhouette"))
     assert any(words in hint for hint in found.hints)
+
+
+def level_hints(view, **options):
+    """Return the share of the hull and the black levels that the hints name."""
+    found = inspect_shot(open_shot([view], InputOptions(**options)))
+    return found.hull_share, [int(level) for level in re.findall(r"--black-level (\d+)", "\n".join(found.hints))]
+
+
+@pytest.mark.parametrize("resolution", [None, "48"])
+@pytest.mark.parametrize("background", [0, 5, 10])
+def test_one_level_clears_noise(tmp_path, background, resolution):
+    """On dark noisy footage the first level proposed is enough, whether or not pictures are reduced."""
+    rng = np.random.default_rng(background)
+    uneven = background * np.linspace(0, 1, 96)
+
+    def make(frame):
+        noisy = flame(frame, tall=120, wide=96) + uneven + rng.normal(0, 3, (120, 96))
+        return noisy.clip(0, 255).round().astype(np.uint8)
+
+    view = f"0={write(tmp_path / 'noisy', make, range(1, 7))}"
+    share, levels = level_hints(view, resolution=resolution)
+    assert share > 0.15
+    assert len(levels) == 1
+    share, levels = level_hints(view, resolution=resolution, black_level=levels[0])
+    assert share < 0.05
+    assert levels == []
+
+
+def test_a_level_counts_on_top(tmp_path):
+    """Where a black level is too low, the one proposed replaces it, in the footage's own grey levels."""
+    view = f"0={write(tmp_path / 'grey', lambda frame: flame(frame) // 2 + 30)}"
+    assert level_hints(view, black_level=20)[1] == [30]
+
+
+def test_the_level_is_not_the_flame(tmp_path):
+    """A flame that crosses an edge does not raise the level, and one that crosses all of them asks for none."""
+    crossing = write(tmp_path / "crossing", lambda frame: np.roll(flame(frame) // 2 + 30, 12, axis=1))
+    assert level_hints(f"0={crossing}")[1] == [30]
+    cross = np.zeros((32, 24), np.uint8)
+    cross[14:18], cross[:, 10:14] = 200, 200
+    assert level_hints(f"0={write(tmp_path / 'cross', lambda frame: cross)}")[1] == []
 
 
 def test_different_scenes_are_noticed(tmp_path):

@@ -23,6 +23,9 @@ BYTES_A_VOXEL = 16  # of the whole box
 BYTES_A_HULL_VOXEL = 48  # of the part of the box that the hull needs
 PART_OVER_HULL = 2.5  # that part is rectangular, the hull is not
 BYTES_A_PIXEL = 28
+LONG = 3600.0  # s; a run that takes longer gets a smaller width proposed
+MINUTES = 1200.0  # s that it should take then
+NARROWEST, WIDTH_STEP = 64, 16  # pixels; widths to propose
 
 
 def hull_share(images: np.ndarray, angles_deg: tuple[float, ...], options: ReconstructOptions) -> float:
@@ -91,6 +94,33 @@ def estimate_run(frames: int, first: float, others: float) -> float:
         others: Seconds for each of the others.
     """
     return first + (frames - 1) * others + SECONDS_OF_FILM + min(frames, SHOWN_FRAMES) * SECONDS_OF_PAGE
+
+
+def affordable_width(
+    size: tuple[int, int], frames: int, share: float, options: ReconstructOptions, views: int
+) -> tuple[int, float] | None:
+    """Return a width at which a long run takes minutes, and its seconds; None if the run is short as it is.
+
+    Args:
+        size: Width and height of an image [pixel].
+        frames: How many.
+        share: Share of the box inside the visual hull.
+        options: Iterations, angles and steps.
+        views: How many.
+    """
+    memory = machine_memory() / 2
+
+    def cost(width: int) -> tuple[float, int]:
+        smaller = width, max(1, round(width * size[1] / size[0]))
+        first, needed = estimate_cost(smaller, share, options)
+        return estimate_run(frames, first, estimate_carried(smaller, share, options, views)), needed
+
+    seconds, needed = cost(size[0])
+    if seconds <= LONG and needed <= memory:
+        return None
+    widths = [width for width in range(NARROWEST, size[0], WIDTH_STEP) if cost(width)[1] <= memory]
+    fits = [width for width in widths if cost(width)[0] <= MINUTES] or widths[:1]
+    return (fits[-1], cost(fits[-1])[0]) if fits else None
 
 
 def check_memory(needed: int, width: int, device) -> None:

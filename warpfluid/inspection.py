@@ -11,8 +11,9 @@ import numpy as np
 
 from warpfluid.estimate import estimate_carried, estimate_cost, estimate_run, format_duration, hull_share
 from warpfluid.files.sequences import format_frames
+from warpfluid.hints import cost_hints, find_hints
 from warpfluid.matting import LIT
-from warpfluid.options import BRIGHT_FLAME, ReconstructOptions
+from warpfluid.options import ReconstructOptions
 from warpfluid.row_sums import Remedy, compare_row_sums
 from warpfluid.shot import Shot
 from warpfluid.sources import Source, spread
@@ -20,9 +21,11 @@ from warpfluid.views import Views
 
 INSPECTED_FRAMES = 64  # row sums are compared over these, from the middle of the shot
 LOOKED_AT_FRAMES = 8  # of these, for all that needs the pictures
-HARDLY = 0.35  # disagreement that only different scenes have, or backgrounds
-STREAKS = 0.2  # angles a voxel of width; below this the volumes have streaks
-WORTH = 0.1  # share of the disagreement that a remedy must take away to be advised
+BORDER = 0.03  # of the width and height; there is rarely fluid
+NEARLY_ALL = 99.5  # per cent of its pixels
+TAIL = 4  # standard deviations that noise reaches at most
+UNEVEN = 12  # grey levels between the darkest and the brightest empty edge
+LOUD = 60  # grey levels that no noise reaches above the background
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +44,8 @@ class ViewInspection:
     saturated: float  # share of all pixels
     bright: float  # share of the lit pixels above 200
     background: float  # grey level of the empty part
-    background_noise: float
+    floor: float  # grey level that nearly all of the empty border keeps below
+    clearing_level: int  # black level that leaves nothing of it
     cut: tuple[str, ...]  # edges that the fluid crosses
 
 
@@ -107,8 +111,8 @@ def inspect_shot(shot: Shot, options: ReconstructOptions | None = None) -> Inspe
         options: The reconstruction to estimate time and memory for.
     """
     asked = options or ReconstructOptions()
-    sums, images = _read(shot)
-    views = tuple(_inspect_view(source, images[:, i]) for i, source in enumerate(shot.sources))
+    sums, images, frames = _read(shot)
+    views = tuple(_inspect_view(source, frames, images[:, i]) for i, source in enumerate(shot.sources))
     reference_deg = shot.angles_deg[0]
     pairs = tuple(
         PairInspection(angle_deg=b, reference_deg=reference_deg, remedy=compare_row_sums(sums[0], sums[i]))
@@ -130,7 +134,10 @@ def inspect_shot(shot: Shot, options: ReconstructOptions | None = None) -> Inspe
         memory_bytes=memory,
         options=options,
         notes=shot.notes,
-        hints=tuple(_hints(views, pairs, share, options, shot.equalize_rows)),
+        hints=(
+            *find_hints(views, pairs, share, options, equalize_rows=shot.equalize_rows),
+            *cost_hints(shot.size, len(shot.frames), share, asked, len(views)),
+        ),
     )
 
 
@@ -147,8 +154,8 @@ def write_views_picture(path: str | Path, views: Views) -> None:
     write_png(path, draw_views(views))
 
 
-def _read(shot: Shot) -> tuple[np.ndarray, np.ndarray]:
-    """Return row sums of a run of frames (view, frame, v) and images of a few of them (frame, view, u, v)."""
+def _read(shot: Shot) -> tuple[np.ndarray, np.ndarray, list[int]]:
+    """Return row sums of a run of frames (view, frame, v), images of a few (frame, view, u, v), and which."""
     start = max(0, (len(shot.frames) - INSPECTED_FRAMES) // 2)
     frames = shot.frames[start : start + INSPECTED_FRAMES]
     looked_at = spread(frames, LOOKED_AT_FRAMES)
@@ -158,13 +165,39 @@ def _read(shot: Shot) -> tuple[np.ndarray, np.ndarray]:
         sums.append(views.row_sums())
         if frame in looked_at:
             images.append(views.images)
-    return np.stack(sums, axis=1), np.stack(images)
+    return np.stack(sums, axis=1), np.stack(images), looked_at
 
 
-def _inspect_view(source: Source, images: np.ndarray) -> ViewInspection:
+def _floor(source: Source, frames: list[int], background: float) -> float:
+    """Return the grey level that the noise of the empty border keeps below.
+
+    Pictures are looked at before they are reduced: the black level comes off there, and reducing hides noise.
+    """
+    full = source.with_matting(size=tuple(source.matting.crop[:2] if source.matting.crop else source.footage.size))
+    borders = zip(*(_border(full.image(frame)) for frame in frames), strict=True)
+    floors = [_noise_floor(np.stack(edge)) for edge in borders]
+    if min(floors) > background + LOUD:  # the fluid crosses every edge
+        return background
+    return max(floor for floor in floors if floor <= min(floors) + UNEVEN)  # it crosses the others
+
+
+def _noise_floor(pixels: np.ndarray) -> float:
+    """Return what nearly all pixels keep below, and no more than noise does: a few may hold fluid."""
+    middle, upper, top = np.percentile(pixels, [50, 84, NEARLY_ALL])
+    return float(min(top, middle + TAIL * (upper - middle)))
+
+
+def _border(image: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Return the strips along the four edges of an image, shape (u, v)."""
+    wide, tall = (max(2, round(BORDER * length)) for length in image.shape)
+    return image[:wide], image[-wide:], image[:, :tall], image[:, -tall:]
+
+
+def _inspect_view(source: Source, frames: list[int], images: np.ndarray) -> ViewInspection:
     """Return what one view's images show, shape (frame, u, v)."""
     lit = images > LIT
-    low, level = np.percentile(images, [2, 20])
+    background = float(np.percentile(images, 20))
+    floor, taken_off = _floor(source, frames, background), source.matting.black_level
     edges = {"left": lit[:, 0], "right": lit[:, -1], "bottom": lit[:, :, 0], "top": lit[:, :, -1]}
     return ViewInspection(
         angle_deg=source.angle_deg,
@@ -178,74 +211,11 @@ def _inspect_view(source: Source, images: np.ndarray) -> ViewInspection:
         brightest=float(images.max()),
         saturated=float((images >= 254.5).mean()),
         bright=float((images > 200).sum() / max(lit.sum(), 1)),
-        background=float(level),
-        background_noise=float(level - low),
+        background=background,
+        floor=floor,
+        clearing_level=min(254, int(np.ceil(taken_off + floor * (255 - taken_off) / 255))),
         cut=tuple(edge for edge, pixels in edges.items() if pixels.mean() > 0.02),
     )
-
-
-def _hints(views, pairs, share: float, options: ReconstructOptions, equalize_rows: bool) -> list[str]:
-    """Return what the user could do about what was found."""
-    hints = []
-    for view in views:
-        name = f"view {view.angle_deg:g}"
-        if view.background > LIT:
-            level = min(254, int(np.ceil(view.background + 3 * view.background_noise)))
-            hints.append(
-                f"{name}: the empty part is at grey {view.background:.0f}, not black: "
-                f"try --black-level {level}, or --background with a picture of the empty set"
-            )
-        if view.bright > BRIGHT_FLAME:
-            advice = (
-                f"undone with --shoulder {options.shoulder:g}" if options.shoulder else "try --shoulder 2, up to 3.5"
-            )
-            hints.append(
-                f"{name}: {view.bright:.0%} of the lit pixels lie above 200, as a film's tone curve does: {advice}"
-            )
-        sides = [edge for edge in view.cut if edge in ("left", "right")]
-        if sides:
-            hints.append(
-                f"{name}: light crosses the {' and '.join(sides)} edge: what lies outside is lost; "
-                "take a wider picture, or the background off"
-            )
-    for pair in pairs:
-        hints += _pair_hints(pair, equalize_rows)
-    if share > 0.6:
-        hints.append(
-            f"the visual hull fills {share:.0%} of the box: mostly background is lit; try --black-level or --background"
-        )
-    few = STREAKS * views[0].size[0]
-    if options.angles < few:
-        hints.append(f"{options.angles} angles are few for {views[0].size[0]} pixels: streaks appear below {few:.0f}")
-    return hints
-
-
-def _pair_hints(pair: PairInspection, equalize_rows: bool) -> list[str]:
-    """Return the remedy in words, where it takes away enough and the reconstruction does not do it anyway."""
-    remedy, name = pair.remedy, f"view {pair.angle_deg:g}"
-    gained = remedy.disagreement - remedy.disagreement_after
-    if remedy.disagreement_after > HARDLY:
-        return [
-            f"{name}: its rows disagree with view {pair.reference_deg:g} by {remedy.disagreement:.0%}, "
-            "and no shift mends it: see whether both show one moment, cropped alike, the background off"
-        ]
-    if gained < WORTH * remedy.disagreement or remedy.disagreement < 0.02:
-        return []
-    steps = []
-    if remedy.time_offset:
-        when = "earlier" if remedy.time_offset > 0 else "later"
-        steps.append(f"play it {abs(remedy.time_offset)} frames {when}")
-    if remedy.vertical_shift:
-        where = "up" if remedy.vertical_shift > 0 else "down"
-        steps.append(f"move it {where} by {abs(remedy.vertical_shift)} pixels")
-    if abs(remedy.exposure_scale - 1) > 0.02 and (steps or not equalize_rows):
-        steps.append(f"multiply its light by {remedy.exposure_scale:.2f}")
-    if not steps:
-        return []
-    return [
-        f"{name}: its rows disagree with view {pair.reference_deg:g} by {remedy.disagreement:.0%}: "
-        f"{', '.join(steps)}, and {remedy.disagreement_after:.0%} are left"
-    ]
 
 
 def _view_lines(view: ViewInspection) -> list[str]:
