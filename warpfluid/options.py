@@ -94,7 +94,7 @@ class ReconstructOptions:
         Literal["auto", "silhouette", "round"],
         "silhouette: what all views see; round: circles about one view's bulk; auto: round for one view",
     ] = "auto"
-    hull_radius: Annotated[float, "Radius of the round hull over half the bulk's width"] = 1.45
+    hull_radius: Annotated[float, "Radius of the round hull over half the bulk's width"] = 1.7
     start_noise: Annotated[
         float | None,
         "Log-amplitude of the initial volume's noise; 0 is off; 0.3 by default, 1 for one bright flame",

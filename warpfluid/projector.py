@@ -21,8 +21,8 @@ class Projector:
     Args:
         angles_deg: Angle of every view; t sees voxel (x, z) at u = x cos t + z sin t [degree].
         shape: Shape of the volume (x, z, y).
-        hull: 1 inside and 0 outside, shape (x, z, y). Back-projection is masked by it, and rays visit only the
-            rows of the volume that it occupies, so a projected volume must be zero outside.
+        hull: 0 outside, 1 or a weight inside, shape (x, z, y). Back-projection is multiplied by it, and rays visit
+            only the rows of the volume that it occupies, so a projected volume must be zero outside.
         footprint: ``box`` gives every voxel the same total in every view, ``joseph`` interpolates along rows.
         device: Where to compute; the hull's device, or else the first GPU there is.
         width: Width of the images, and of the box that the views turn about; x's and z's length by default.

@@ -81,7 +81,7 @@ def filled_start(
     """
     device = inputs.hull.device
     volume = wp.array(np.ascontiguousarray(carried[inputs.part]), dtype=float, device=device)
-    vectors.multiply(volume, inputs.hull, out=volume)
+    vectors.multiply(volume, inputs.support, out=volume)
     balancing = Balancing.of_measured(inputs, options.footprint)
     trial = balancing.apply(wp.clone(volume), TRIAL_SWEEPS)
     lack, missing, light = wp.zeros_like(volume), 0.0, 0.0

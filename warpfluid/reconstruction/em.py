@@ -127,7 +127,7 @@ class Iteration:
             ones = wp.full(self._fan.image_shape, 1.0, dtype=float, device=self.device)
             self._share, self._seen, self._cover = self._volume(), self._volume(), self._volume()
             self._fan.backproject(ones, out=self._seen)
-            blur(inputs.hull, options.fade_blur, scratch=self._scratch, out=self._cover)
+            blur(inputs.support, options.fade_blur, scratch=self._scratch, out=self._cover)
 
     def run(self, volume: wp.array, progress: Progress | None = None, *, fade_first: bool = False) -> np.ndarray:
         """Alternate M-step and E-step.
@@ -167,13 +167,13 @@ class Iteration:
 
     def _e_step(self, volume: wp.array, residual: wp.array, made: np.ndarray, *, fade: bool) -> None:
         """Fit the volume to the modified views, in place."""
-        options, hull = self.options, self.inputs.hull
+        options = self.options
         self._solver.improve(volume, residual, options.cg_steps)
         if options.non_negative:
             vectors.clip(volume)
         if options.blur > 0:
             blur(volume, options.blur, scratch=self._scratch, out=volume)
-            vectors.multiply(volume, hull, out=volume)
+            vectors.multiply(volume, self.inputs.support, out=volume)
         if options.fade > 0 and fade:
             self._fade(volume, made)
         if options.slice_rescale:

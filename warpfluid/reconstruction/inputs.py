@@ -5,6 +5,7 @@ measurement, which makes the volume symmetric. Here the front alone is measured:
 looks, and the hull is a circle a height about the bulk of the light, so that depth does not follow every wisp.
 """
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +20,8 @@ from warpfluid.views import Views
 BULK_CUT = 0.1  # share of a row's light left out at either end when its bulk is measured
 HULL_SMOOTHING = 8.0  # smoothing of the circles over heights [voxel]
 HULL_MARGIN = 1.5  # [voxel]
+HULL_SOFTNESS = 0.3  # how the round hull's weight falls towards its rim; a hard rim shows as an outline
+HULL_RIM = 0.02
 CUT_MARGIN = 2  # around the extent of the hull [voxel]
 
 
@@ -30,7 +33,7 @@ class Inputs:
         images: How the volume looks, measured views first, shape (view, u, v).
         angles_deg: Their angles.
         measured: How many of them are measurements.
-        hull: 1 inside and 0 outside, shape (x, z, y), cut to the part of the box that it needs.
+        hull: 0 outside, 1 inside or less towards a soft rim, shape (x, z, y), cut to the part of the box it needs.
         corner: Where in the box, which is as wide and deep as the images are wide, that part begins (x, z).
         side: A side view laid over the round hull, which only the start sees; None for several views.
         threshold: Grey level of the silhouette.
@@ -50,6 +53,11 @@ class Inputs:
     def row_sums(self) -> np.ndarray:
         """Light of every height, the same in all views of an emissive volume, shape (v,)."""
         return self.images[: self.measured].sum(axis=1).mean(axis=0)
+
+    @functools.cached_property
+    def support(self) -> wp.array:
+        """1 where the hull is not 0."""
+        return wp.array((self.hull.numpy() > 0).astype(np.float32), dtype=float, device=self.hull.device)
 
     @property
     def part(self) -> tuple[slice, slice]:
@@ -136,8 +144,9 @@ def _hull(images, angles_deg, threshold, half_depth, device) -> np.ndarray:
     angle = np.deg2rad(angles_deg[0])
     across = np.clip(np.rint(x * np.cos(angle) + z * np.sin(angle) + (n - 1) / 2).astype(int), 0, n - 1)
     depth = np.abs(z * np.cos(angle) - x * np.sin(angle))
-    inside = depth[..., None] <= half_depth[across] + 1e-6
-    return hull * inside
+    share = depth[..., None] / np.maximum(half_depth[across], 1)
+    weight = np.maximum(1 - share**2, HULL_RIM) ** HULL_SOFTNESS
+    return (hull * weight * (share <= 1 + 1e-6)).astype(np.float32)
 
 
 def _cut(hull: np.ndarray) -> tuple[tuple[int, int], np.ndarray]:

@@ -58,7 +58,7 @@ def given_start(inputs: Inputs, options: ReconstructOptions, volume: np.ndarray)
     if volume.shape != inputs.box:
         raise ValueError(f"start has shape {volume.shape}, expected {inputs.box}: (x, z, y) of these views")
     start = wp.array(np.maximum(volume[inputs.part], 0), dtype=float, device=inputs.hull.device)
-    vectors.multiply(start, inputs.hull, out=start)
+    vectors.multiply(start, inputs.support, out=start)
     return Balancing.of_measured(inputs, options.footprint).apply(start, SWEEPS)
 
 
