@@ -158,6 +158,29 @@ def test_changed_options_come_first():
     assert re.findall(r'class="plain"><td>([^<]+)', rest) == ["blur"]
 
 
+def test_tables_scroll_on_narrow_screens():
+    """Every table lies in a box that scrolls, so that none is cut off."""
+    text = html_report(full_report())
+    assert text.count("<table>") == text.count('<div class="scroll"><table>') > 5
+
+
+@pytest.mark.parametrize("length", [20, 60, 61, 300])
+def test_long_paths_are_shortened_in_the_middle(length):
+    """Head and tail stay, the whole path shows on hovering, and what is short stays as it is."""
+    path = "/shots/" + "x" * (length - 16) + "/fire.mp4"
+    page = Page(
+        html_report(ReportData(title="t", inputs=[InputReport(name=path, angle_deg=0, picture=pictures(4, 4))]))
+    )
+    (shown,) = [words for words in page.words if words.endswith("fire.mp4")]
+    titles = [attrs["title"] for tag, attrs in page.tags if tag == "span" and "title" in attrs]
+    if length <= 60:
+        assert (shown.strip(), titles) == (path, [])
+    else:
+        assert (len(shown), titles) == (60, [path])
+        assert shown.startswith("/shots/x")
+        assert "…" in shown
+
+
 def test_input_angles_are_marked_and_the_total_is_added_up():
     """Stills at an input's angle say so, and the stages add up."""
     text = html_report(full_report())

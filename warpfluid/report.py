@@ -14,7 +14,18 @@ from string import Template
 import numpy as np
 
 from warpfluid.metrics import METRICS
-from warpfluid.report_html import cell, colour_bar, energy_chart, film, image, section, side_by_side, table
+from warpfluid.report_html import (
+    cell,
+    colour_bar,
+    energy_chart,
+    film,
+    image,
+    scroll,
+    section,
+    shortened,
+    side_by_side,
+    table,
+)
 
 AIMS = {"low": "↓", "high": "↑", "one": "→ 1"}
 
@@ -65,7 +76,7 @@ class ReportData:
 
     Attributes:
         title: Heading.
-        subtitle: One line below it.
+        subtitle: One line below it, or a few.
         inputs: The input views.
         warnings: Lines the reader should not miss.
         check: Lines of the input check.
@@ -137,7 +148,7 @@ def _inputs(report: ReportData) -> str:
     """Return the input views and their check beside the turning result."""
     pictures = "".join(
         f"<figure>{image(view.picture, f'input at {view.angle_deg:g}°')}"
-        f"<figcaption><b>{view.angle_deg:g}°</b> {escape(view.name)}</figcaption></figure>"
+        f"<figcaption><b>{view.angle_deg:g}°</b> {shortened(view.name)}</figcaption></figure>"
         for view in report.inputs
     )
     check = "".join(f"<p>{escape(line)}</p>" for line in report.check) + table(report.check_table)
@@ -185,7 +196,7 @@ def _stills(frame: FrameReport, input_angles: set[float]) -> str:
         label = f"{angle:g}°" + (" <b>input</b>" if angle in input_angles else "")
         cells.append(f'<div class="angle">{label}</div>')
     columns = f"grid-template-columns: minmax(56px, max-content) repeat({len(frame.angles_deg)}, minmax(0, 1fr))"
-    return f'<div class="scroll"><div class="stills" style="{columns}">{"".join(cells)}</div></div>'
+    return scroll(f'<div class="stills" style="{columns}">{"".join(cells)}</div>')
 
 
 def _metrics(methods: Mapping[str, Mapping[str, float]], yardsticks: Sequence[str]) -> str:
@@ -210,7 +221,7 @@ def _metrics(methods: Mapping[str, Mapping[str, float]], yardsticks: Sequence[st
         return ""
     heads = "".join(f'<th class="number">{escape(name)}</th>' for name in methods)
     note = '<p class="note">* matched by the method itself, so nothing to rank by</p>'
-    return f'<div class="scroll"><table><tr><th></th><th></th>{heads}</tr>{"".join(rows)}</table></div>{note}'
+    return scroll(f"<table><tr><th></th><th></th>{heads}</tr>{''.join(rows)}</table>") + note
 
 
 def _options(options: Mapping[str, object], defaults: Mapping[str, object]) -> str:
@@ -223,13 +234,14 @@ def _options(options: Mapping[str, object], defaults: Mapping[str, object]) -> s
         f'<td class="soft">default {escape(str(defaults[name]))}</td></tr>'
         for name in changed
     ]
-    top = f"<table>{''.join(rows)}</table>" if rows else "<p>All as they are by default.</p>"
+    top = scroll(f"<table>{''.join(rows)}</table>") if rows else "<p>All as they are by default.</p>"
     rest = "".join(
         f'<tr class="plain"><td>{escape(name)}</td><td class="mono">{escape(str(value))}</td></tr>'
         for name, value in options.items()
         if name not in changed
     )
-    return f"{top}<details><summary>The other options</summary><table>{rest}</table></details>" if rest else top
+    rest = scroll(f"<table>{rest}</table>") if rest else ""
+    return f"{top}<details><summary>The other options</summary>{rest}</details>" if rest else top
 
 
 def _timings(timings: Mapping[str, float]) -> str:
@@ -243,7 +255,7 @@ def _timings(timings: Mapping[str, float]) -> str:
         for name, seconds in timings.items()
     )
     last = f'<tr><td><b>Total</b></td><td class="number"><b>{total:.1f} s</b></td><td></td></tr>'
-    return f"<table>{rows}{last}</table>"
+    return scroll(f"<table>{rows}{last}</table>")
 
 
 def _versions(versions: Mapping[str, object]) -> str:
@@ -252,4 +264,4 @@ def _versions(versions: Mapping[str, object]) -> str:
         f'<tr><td>{escape(name)}</td><td class="mono">{escape(str(value))}</td></tr>'
         for name, value in versions.items()
     )
-    return f"<table>{rows}</table>" if rows else ""
+    return scroll(f"<table>{rows}</table>") if rows else ""

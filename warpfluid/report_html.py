@@ -56,7 +56,20 @@ def table(rows: Sequence[Mapping[str, object]]) -> str:
     lines = "".join(
         "<tr>" + "".join(f"<td{kind[name]}>{cell(row.get(name))}</td>" for name in names) + "</tr>" for row in rows
     )
-    return f'<div class="scroll"><table><tr>{head}</tr>{lines}</table></div>'
+    return scroll(f"<table><tr>{head}</tr>{lines}</table>")
+
+
+def scroll(content: str) -> str:
+    """Return content that may be wider than a narrow screen, and is then moved sideways."""
+    return f'<div class="scroll">{content}</div>' if content else ""
+
+
+def shortened(text: str, most: int = 60) -> str:
+    """Return a text with its middle left out if it is long; the whole of it shows on hovering."""
+    if len(text) <= most:
+        return escape(text)
+    head, tail = most // 3, most - most // 3 - 1
+    return f'<span title="{escape(text)}">{escape(text[:head])}…{escape(text[-tail:])}</span>'
 
 
 def cell(value: object) -> str:

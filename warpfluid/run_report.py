@@ -67,7 +67,7 @@ def report_run(run: Run, shot: Shot, settings: Settings, inspection: Inspection,
     took = sum(record["seconds"] for record in records.values())
     data = ReportData(
         title=run.folder.resolve().name,
-        subtitle=_subtitle(records, inspection),
+        subtitle=_subtitle(records, shown, inspection),
         inputs=_inputs(shot, shown[len(shown) // 2]),
         warnings=inspection.hints,
         check=_sentences(inspection),
@@ -163,11 +163,12 @@ def _means(frames: list[FrameReport]) -> dict[str, dict[str, float]]:
     return {method: {key: float(np.mean(v)) for key, v in numbers.items()} for method, numbers in totals.items()}
 
 
-def _subtitle(records: dict[int, dict], inspection: Inspection) -> str:
+def _subtitle(records: dict[int, dict], shown: list[int], inspection: Inspection) -> str:
     lacking = inspection.frame_count - len(records)
     frames = f"{format_frames(records)}, {len(records)} of {inspection.frame_count}" if lacking else inspection.frames
     x, y, z = inspection.volume_size
-    return f"Frames {frames}; {x} x {y} x {z} voxels (width, height, depth)"
+    below = f"\nShown: {', '.join(map(str, shown))}" if len(shown) < len(records) else ""
+    return f"Frames {frames}; {x} x {y} x {z} voxels (width, height, depth){below}"
 
 
 def _sentences(inspection: Inspection) -> list[str]:
