@@ -2,8 +2,8 @@
 
 Frames reconstructed alone flicker, because what no view sees is settled differently each time, and averaging them
 blurs. So coherence belongs inside the reconstruction: a frame starts from the one before, carried along the footage's
-flow. What the pictures show and the carried volume lacks grows from least squares; what they do not show is balanced
-away. The start is then so near that an iteration or two suffice.
+flow. What the pictures show and the carried volume lacks grows from a fresh start; what they do not show is balanced
+away. The start is then so near that an iteration or two suffice; the more light was missing, the more are made.
 """
 
 from dataclasses import replace
@@ -19,12 +19,12 @@ from warpfluid.reconstruction.balance import Balancing
 from warpfluid.reconstruction.em import Iteration, Progress, finish, footage_facts
 from warpfluid.reconstruction.inputs import Inputs, make_inputs
 from warpfluid.reconstruction.result import Reconstruction
-from warpfluid.reconstruction.start import SWEEPS, least_squares
+from warpfluid.reconstruction.start import SWEEPS, least_squares, rough_start
 from warpfluid.views import Views
 
 TRIAL_SWEEPS = 2
 SLACK = 1.2  # a picture lacks what is brighter than this times the trial
-GAIN = 2.0  # lacking half of a pixel's light already calls for all of least squares
+GAIN = 2.0  # lacking half of a pixel's light already calls for all of the fresh start
 CUT = 0.5  # share of the light missing after the trial above which the frame is another scene
 
 
@@ -43,7 +43,7 @@ def follow(
         previous: Volume of the frame before, shape (x, z, y).
         now: Views of the frame before.
         later: Views of the frame to model, at the same angles.
-        options: Choices of the method; ``coherent_iterations`` are made.
+        options: Choices of the method; at least ``coherent_iterations`` are made.
         progress: Called after each iteration with its number and the energy.
         device: Where to compute; the first GPU there is when omitted.
 
@@ -51,22 +51,23 @@ def follow(
         The reconstruction, or None where the frame has too little in common with the one before, as after a cut.
     """
     options = options.settled(**footage_facts(later))
-    options = replace(options, iterations=options.coherent_iterations)
+    few, full = options.coherent_iterations, options.iterations
     device = pick_device(device)
     inputs = make_inputs(later, options, device)
     if not (inputs.images > inputs.threshold).any():
         return None
     carried = carry(previous * np.float32(255 / now.white), now, later, method=options.flow, device=device)
     initial = least_squares(inputs, options)
-    volume, lacking = filled_start(inputs, options, carried, initial)
+    volume, lacking = filled_start(inputs, options, carried, rough_start(inputs, options, initial))
     if lacking > CUT:
         return None
+    options = replace(options, iterations=min(few + round(lacking / CUT * (full - few)), max(few, full)))
     energies = Iteration(inputs, options).run(volume, progress, fade_first=True)
     return finish(later, options, inputs, volume, initial, energies)
 
 
 def filled_start(
-    inputs: Inputs, options: ReconstructOptions, carried: np.ndarray, initial: wp.array
+    inputs: Inputs, options: ReconstructOptions, carried: np.ndarray, fresh: wp.array
 ) -> tuple[wp.array, float]:
     """Turn a carried volume into a start: inside the hull, with new matter where it lacks some, balanced.
 
@@ -74,7 +75,7 @@ def filled_start(
         inputs: The inputs of the frame.
         options: Choices of the method.
         carried: Shape (x, z, y) of the whole box, in grey levels of linear light.
-        initial: The volume of least squares, over the inputs' part of the box.
+        fresh: The start of a frame alone, over the inputs' part of the box.
 
     Returns:
         The start, over the inputs' part of the box, and the share of the light that was missing.
@@ -91,5 +92,5 @@ def filled_start(
         missing += vectors.dot(share, image)
         light += float(image.numpy().sum(dtype=np.float64))
         filling.widen(lack, view.backproject(share), seen)
-    filling.fill(volume, lack, initial, gain=GAIN)
+    filling.fill(volume, lack, fresh, gain=GAIN)
     return balancing.apply(volume, SWEEPS), missing / max(light, 1e-9)
