@@ -13,12 +13,9 @@ import warpfluid
 # From the bottom to the top. A module imports from its own layer and from those below it.
 LAYERS = [
     {"files", "options", "kernels", "device", "errors"},
-    {
-        *("views", "matting", "sources", "shot", "row_sums", "estimate", "hints", "inspection", "views_picture"),
-        *("metrics", "projector", "settings", "run", "motion"),
-    },
+    {"views", "footage", "metrics", "projector", "settings", "run", "motion"},
     {"reconstruction", "rendering"},
-    {"report", "report_html", "run_report", "commands", "progress", "doctor"},
+    {"report", "commands", "progress", "doctor"},
     {"cli"},
 ]
 

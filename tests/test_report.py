@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from warpfluid import report_html
-from warpfluid.report import FrameReport, InputReport, ReportData, html_report, write_report
+from warpfluid.report import html
+from warpfluid.report.page import FrameReport, InputReport, ReportData, html_report, write_report
 
 VOID = {"meta", "img", "br", "hr"}
 EVIL = """<script>alert("1")</script>' onerror="x" & $body"""
@@ -193,17 +193,17 @@ def test_input_angles_are_marked_and_the_total_is_added_up():
 )
 def test_energy_is_drawn_to_scale(energies):
     """Points stand in order, higher for more energy, in proportion to its logarithm, inside the frame."""
-    svg = report_html.energy_chart(energies)
+    svg = html.energy_chart(energies)
     Page(svg)
     found = re.findall(r'<circle class="(\w)" cx="([\d.]+)" cy="([\d.]+)" r="4"><title>', svg)
     assert [step for step, _, _ in found] == ["m", "e"] * len(energies)
     x, y = np.array([[float(a), float(b)] for _, a, b in found]).T
     assert (np.diff(x) > 0).all()
-    top, bottom = report_html.TOP, report_html.TOP + report_html.HEIGHT
+    top, bottom = html.TOP, html.TOP + html.HEIGHT
     assert y.min() >= top - 0.1
     assert y.max() <= bottom + 0.1
     lines = np.array(re.findall(r'y1="([\d.]+)"', svg), float)
-    decades = np.log10(report_html._log_ticks(energies.min(), energies.max()))
+    decades = np.log10(html._log_ticks(energies.min(), energies.max()))
     slope = (lines[-1] - lines[0]) / (decades[-1] - decades[0])
     wanted = lines[0] + slope * (np.log10(energies.ravel()) - decades[0])
     np.testing.assert_allclose(y, wanted, atol=0.2)
@@ -211,11 +211,11 @@ def test_energy_is_drawn_to_scale(energies):
 
 def test_energies_that_have_no_logarithm_are_left_out():
     """Zeros and broken values leave gaps; with nothing left there is no chart."""
-    svg = report_html.energy_chart(np.array([[4.0, 0.0], [np.nan, 1.0]]))
+    svg = html.energy_chart(np.array([[4.0, 0.0], [np.nan, 1.0]]))
     assert svg.count("<title>") == 2
-    assert report_html.energy_chart(np.zeros((3, 2))) == ""
+    assert html.energy_chart(np.zeros((3, 2))) == ""
     with pytest.raises(ValueError, match=r"\(4,\); \(iteration, 2\)"):
-        report_html.energy_chart(np.ones(4))
+        html.energy_chart(np.ones(4))
 
 
 @pytest.mark.parametrize(
@@ -227,7 +227,7 @@ def test_energies_that_have_no_logarithm_are_left_out():
 )
 def test_numbers_are_short(value, text):
     """Three digits where it matters, a dash for what is missing."""
-    assert report_html.cell(value) == text
+    assert html.cell(value) == text
 
 
 def test_wrong_pictures_are_refused(tmp_path):

@@ -15,7 +15,7 @@ __version__ = "0.1.0"
 
 _HOMES = {
     "InputOptions": "warpfluid.options",
-    "Inspection": "warpfluid.inspection",
+    "Inspection": "warpfluid.footage.inspection",
     "OutputOptions": "warpfluid.options",
     "Projector": "warpfluid.projector",
     "ReconstructOptions": "warpfluid.options",
@@ -23,8 +23,8 @@ _HOMES = {
     "Run": "warpfluid.run",
     "Views": "warpfluid.views",
     "compare_pictures": "warpfluid.metrics",
-    "inspect_shot": "warpfluid.inspection",
-    "open_shot": "warpfluid.shot",
+    "inspect_shot": "warpfluid.footage.inspection",
+    "open_shot": "warpfluid.footage.shot",
     "read_vdb": "warpfluid.files.vdb",
     "reconstruct": "warpfluid.reconstruction.em",
     "render_turntable": "warpfluid.rendering.turntable",

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from warpfluid.errors import Problems, describe
-from warpfluid.estimate import check_memory
 from warpfluid.files.sequences import format_frames, parse_frames
-from warpfluid.inspection import Inspection, inspect_shot, write_views_picture
+from warpfluid.footage.estimate import check_memory
+from warpfluid.footage.inspection import Inspection, inspect_shot, write_views_picture
+from warpfluid.footage.shot import Shot, open_shot
 from warpfluid.progress import Progress
 from warpfluid.run import FILM, PAGE, Run
 from warpfluid.settings import Settings, make_settings
-from warpfluid.shot import Shot, open_shot
 
 
 def reconstruct(settings: Settings, out: Path, *, resume: bool, overwrite: bool, common) -> int:
@@ -137,7 +137,7 @@ def _summarize(
     run: Run, shot: Shot, settings: Settings, inspection: Inspection, device, log: Progress
 ) -> dict[str, str]:
     """Write the turntable and the report of what is finished; return what failed."""
-    from warpfluid.run_report import report_run, write_film
+    from warpfluid.report.of_run import report_run, write_film
 
     jobs = {}
     if settings.output.turntable:

@@ -67,7 +67,7 @@ def _devices() -> list[dict]:
     import warp as wp
 
     from warpfluid.device import pick_device
-    from warpfluid.estimate import machine_memory
+    from warpfluid.footage.estimate import machine_memory
 
     best = pick_device("auto")
     devices = sorted(wp.get_devices(), key=lambda device: device != best)

@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
-from warpfluid.estimate import format_duration
+from warpfluid.footage.estimate import format_duration
 
 
 class Progress:

@@ -12,8 +12,8 @@ from pathlib import Path
 
 from warpfluid.errors import Problems, describe
 from warpfluid.files.sequences import format_frames, parse_frames
+from warpfluid.footage.sources import parse_view
 from warpfluid.options import PAPER, InputOptions, OutputOptions, ReconstructOptions
-from warpfluid.sources import parse_view
 
 SECTIONS = {"input": InputOptions, "reconstruct": ReconstructOptions, "output": OutputOptions}
 FREE = ("frames", "turntable", "report", "look")  # what may change when a run is continued

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from warpfluid import matting
+from warpfluid.footage import matting
 
 SMALLEST = 8  # pixels; below this there is no pyramid to speak of
 SAME_ANGLE_DEG = 1e-3

@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterable, Iterator
 import numpy as np
 
 from warpfluid.errors import describe
+from warpfluid.footage.shot import Shot
 from warpfluid.metrics import psnr
 from warpfluid.reconstruction.coherence import follow
 from warpfluid.reconstruction.em import reconstruct
 from warpfluid.reconstruction.inputs import apply_shoulder
 from warpfluid.run import Run, stored
 from warpfluid.settings import Settings
-from warpfluid.shot import Shot
 from warpfluid.views import Views
 
 Progress = Callable[[int, int, float], None]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from warpfluid.matting import LIT, Matting, parse_crop, parse_resolution
+from warpfluid.footage.matting import LIT, Matting, parse_crop, parse_resolution
 from warpfluid.options import InputOptions
 
 SMALLEST = 8  # pixels; below this there is no pyramid to speak of

@@ -9,14 +9,14 @@ from pathlib import Path
 
 import numpy as np
 
-from warpfluid.estimate import estimate_carried, estimate_cost, estimate_run, format_duration, hull_share
 from warpfluid.files.sequences import format_frames
-from warpfluid.hints import cost_hints, find_hints
-from warpfluid.matting import LIT
+from warpfluid.footage.estimate import estimate_carried, estimate_cost, estimate_run, format_duration, hull_share
+from warpfluid.footage.hints import cost_hints, find_hints
+from warpfluid.footage.matting import LIT
+from warpfluid.footage.row_sums import Remedy, compare_row_sums
+from warpfluid.footage.shot import Shot
+from warpfluid.footage.sources import Source, spread
 from warpfluid.options import ReconstructOptions
-from warpfluid.row_sums import Remedy, compare_row_sums
-from warpfluid.shot import Shot
-from warpfluid.sources import Source, spread
 from warpfluid.views import Views
 
 INSPECTED_FRAMES = 64  # row sums are compared over these, from the middle of the shot
@@ -149,7 +149,7 @@ def write_views_picture(path: str | Path, views: Views) -> None:
         views: One frame.
     """
     from warpfluid.files.images import write_png
-    from warpfluid.views_picture import draw_views
+    from warpfluid.footage.views_picture import draw_views
 
     write_png(path, draw_views(views))
 

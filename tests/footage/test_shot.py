@@ -5,8 +5,8 @@ import pytest
 
 from warpfluid.files.images import write_png
 from warpfluid.files.video import write_video
+from warpfluid.footage.shot import open_shot
 from warpfluid.options import InputOptions
-from warpfluid.shot import open_shot
 
 
 def picture(seed=0, width=16, height=12):

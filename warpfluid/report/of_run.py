@@ -8,9 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from warpfluid.estimate import SHOWN_FRAMES
 from warpfluid.files.sequences import format_frames
-from warpfluid.inspection import Inspection
+from warpfluid.footage.estimate import SHOWN_FRAMES
+from warpfluid.footage.inspection import Inspection
+from warpfluid.footage.shot import Shot
+from warpfluid.footage.sources import spread
 from warpfluid.kernels.launch import thread_count
 from warpfluid.metrics import SMALLEST_SIDE, appearance_distance
 from warpfluid.options import InputOptions, OutputOptions, ReconstructOptions
@@ -18,11 +20,9 @@ from warpfluid.reconstruction.em import reconstruct
 from warpfluid.reconstruction.inputs import apply_shoulder
 from warpfluid.rendering.ramps import apply_ramp
 from warpfluid.rendering.turntable import render_turntable, slices_picture
-from warpfluid.report import FrameReport, InputReport, ReportData, write_report
+from warpfluid.report.page import FrameReport, InputReport, ReportData, write_report
 from warpfluid.run import Run, versions
 from warpfluid.settings import Settings
-from warpfluid.shot import Shot
-from warpfluid.sources import spread
 from warpfluid.views import Views
 
 STILLS_DEG = tuple(range(0, 91, 15))

@@ -14,7 +14,7 @@ from string import Template
 import numpy as np
 
 from warpfluid.metrics import METRICS
-from warpfluid.report_html import (
+from warpfluid.report.html import (
     cell,
     colour_bar,
     energy_chart,
@@ -138,7 +138,7 @@ def html_report(report: ReportData) -> str:
         section("Options", _options(report.options, report.defaults)),
         section("Time and versions", side_by_side(_timings(report.timings), _versions(report.versions))),
     ]
-    template = Template(files("warpfluid").joinpath("report_template.html").read_text("utf-8"))
+    template = Template(files("warpfluid").joinpath("report/template.html").read_text("utf-8"))
     return template.substitute(
         title=escape(report.title), subtitle=escape(report.subtitle), body="\n".join(filter(None, body))
     )

@@ -1,7 +1,7 @@
 """What the user could do about what the check of footage found, in sentences."""
 
-from warpfluid.estimate import affordable_width, format_duration
-from warpfluid.matting import LIT
+from warpfluid.footage.estimate import affordable_width, format_duration
+from warpfluid.footage.matting import LIT
 from warpfluid.options import BRIGHT_FLAME, ReconstructOptions
 
 HARDLY = 0.35  # disagreement that only different scenes have, or backgrounds

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from skimage import transform
 
-from warpfluid import matting
-from warpfluid.matting import Matting
+from warpfluid.footage import matting
+from warpfluid.footage.matting import Matting
 
 
 @given(st.integers(1, 20), st.integers(1, 20), st.integers(1, 20), st.integers(1, 20))

@@ -7,11 +7,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from warpfluid import matting
 from warpfluid.errors import Problems
 from warpfluid.files.sequences import format_frames, parse_frames
-from warpfluid.options import InputOptions
-from warpfluid.sources import (
+from warpfluid.footage import matting
+from warpfluid.footage.sources import (
     SAMPLED_FRAMES,
     Source,
     check_light,
@@ -22,6 +21,7 @@ from warpfluid.sources import (
     prepare,
     spread,
 )
+from warpfluid.options import InputOptions
 from warpfluid.views import Views, angle_problems
 
 

@@ -8,13 +8,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from warpfluid.estimate import estimate_cost, hull_share, machine_memory
 from warpfluid.files.images import read_image, write_png
-from warpfluid.hints import cost_hints
-from warpfluid.inspection import inspect_shot, write_views_picture
+from warpfluid.footage.estimate import estimate_cost, hull_share, machine_memory
+from warpfluid.footage.hints import cost_hints
+from warpfluid.footage.inspection import inspect_shot, write_views_picture
+from warpfluid.footage.row_sums import compare_row_sums
+from warpfluid.footage.shot import open_shot
 from warpfluid.options import InputOptions, ReconstructOptions
-from warpfluid.row_sums import compare_row_sums
-from warpfluid.shot import open_shot
 from warpfluid.views import Views
 
 

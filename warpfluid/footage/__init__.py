@@ -1,0 +1,1 @@
+"""From clips to views: opened, paired by frame, checked and prepared, with an estimate of what they will cost."""

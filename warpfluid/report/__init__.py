@@ -1,0 +1,1 @@
+"""What a finished run shows: a turntable, and one page with pictures, energy and numbers."""
