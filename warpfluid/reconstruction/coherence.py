@@ -19,12 +19,13 @@ from warpfluid.reconstruction.balance import Balancing
 from warpfluid.reconstruction.em import Iteration, Progress, finish, footage_facts
 from warpfluid.reconstruction.inputs import Inputs, make_inputs
 from warpfluid.reconstruction.result import Reconstruction
-from warpfluid.reconstruction.start import SWEEPS, least_squares, rough_start
+from warpfluid.reconstruction.start import SWEEPS, least_squares, rough_start, roughen
 from warpfluid.views import Views
 
 TRIAL_SWEEPS = 2
 SLACK = 1.2  # a picture lacks what is brighter than this times the trial
 GAIN = 2.0  # lacking half of a pixel's light already calls for all of the fresh start
+REFRESH = 0.06  # log-amplitude of noise on a carried volume: expanding matter would grow smooth, frame by frame
 CUT = 0.5  # share of the light missing after the trial above which the frame is another scene
 
 
@@ -61,6 +62,7 @@ def follow(
     volume, lacking = filled_start(inputs, options, carried, rough_start(inputs, options, initial))
     if lacking > CUT:
         return None
+    roughen(volume, inputs, options, amplitude=min(REFRESH, options.start_noise))
     options = replace(options, iterations=min(few + round(lacking / CUT * (full - few)), max(few, full)))
     energies = Iteration(inputs, options).run(volume, progress, fade_first=True)
     return finish(later, options, inputs, volume, initial, energies)

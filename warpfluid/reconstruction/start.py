@@ -36,12 +36,19 @@ def rough_start(inputs: Inputs, options: ReconstructOptions, initial: wp.array) 
         looks = np.stack([inputs.images[0], inputs.side])
         volume = _product(inputs, looks, options.footprint)
     if options.start_noise > 0:
-        noise = _noise(inputs.box, options.seed, options.noise_grain, options.noise_grain_y)[inputs.part]
-        factor = wp.array(np.exp(np.float32(options.start_noise) * noise), dtype=float, device=volume.device)
-        vectors.multiply(volume, factor, out=volume)
+        roughen(volume, inputs, options, amplitude=options.start_noise)
         balancing = Balancing(looks, inputs.projectors(inputs.angles_deg, options.footprint))
         balancing.apply(volume, SWEEPS)
     return volume
+
+
+def roughen(volume: wp.array, inputs: Inputs, options: ReconstructOptions, *, amplitude: float) -> None:
+    """Multiply a volume by log-normal noise, in place; the seed is that of the options, so the same in every frame."""
+    if amplitude == 0:
+        return
+    noise = _noise(inputs.box, options.seed, options.noise_grain, options.noise_grain_y)[inputs.part]
+    factor = wp.array(np.exp(np.float32(amplitude) * noise), dtype=float, device=volume.device)
+    vectors.multiply(volume, factor, out=volume)
 
 
 def given_start(inputs: Inputs, options: ReconstructOptions, volume: np.ndarray) -> wp.array:
