@@ -96,6 +96,14 @@ def test_a_run_in_parts(tmp_path, flags, unbroken):
     assert volumes(tmp_path / "again") == volumes(unbroken)
 
 
+def test_frames_far_apart_start_anew(tmp_path, flags):
+    """A frame is carried over one left out, not over two."""
+    assert run("reconstruct", *flags, "-o", tmp_path / "run", "--frames", "1001,1004") == 0
+    assert [record["carried"] for record in Run(tmp_path / "run").records().values()] == [False, False]
+    assert run("reconstruct", *flags, "-o", tmp_path / "twos", "--frames", "1001-1004x2") == 0
+    assert [record["carried"] for record in Run(tmp_path / "twos").records().values()] == [False, True]
+
+
 def test_a_finished_run_repeats_itself(tmp_path, flags, unbroken, monkeypatch, capsys):
     """run.toml as a configuration gives the same bits, from any folder; flags count on top."""
     monkeypatch.chdir(tmp_path)

@@ -61,6 +61,11 @@ class Shot:
         """Pixel value that counts as white, if all footage is float; integers have their own."""
         return None if any(map(is_integer, self.sources)) else self.sources[0].matting.white
 
+    @property
+    def step(self) -> int:
+        """Frames from one picture of the footage to the next: 2 for a sequence on twos."""
+        return min((b - a for a, b in pairwise(self.sources[0].frames)), default=1)
+
     def views(self, frame: int, *, equalize_rows: bool | None = None) -> Views:
         """Return the images of a frame; they may be black all over.
 

@@ -15,6 +15,8 @@ from warpfluid.run import Run, stored
 from warpfluid.settings import Settings
 from warpfluid.views import Views
 
+FARTHEST = 2  # pictures that a frame is carried over; across a wider gap motion cannot be measured
+
 Progress = Callable[[int, int, float], None]
 
 
@@ -56,10 +58,9 @@ def reconstruct_frames(
 def _frame_before(shot: Shot, run: Run, frame: int, latest: tuple | None) -> tuple[int, np.ndarray, Views] | None:
     """Return number, volume and views of the frame before, from this run or from an earlier part of it."""
     done = run.records()
-    earlier = [number for number in {*shot.frames, *done} if number < frame]
-    if not earlier or max(earlier) not in done:
+    wanted = max((number for number in {*shot.frames, *done} if number < frame), default=None)
+    if wanted not in done or frame - wanted > FARTHEST * shot.step:
         return None
-    wanted = max(earlier)
     return latest if latest and latest[0] == wanted else (wanted, run.volume(wanted), shot.views(wanted))
 
 
