@@ -145,7 +145,7 @@ def _summarize(
     if settings.output.report:
         jobs[PAGE] = lambda: report_run(run, shot, settings, inspection, device=device)
     failed = {}
-    for name, job in jobs.items() if run.records() else ():
+    for name, job in jobs.items() if set(run.records()) & set(shot.frames) else ():
         log.line(f"write   {name}")
         try:
             job()
@@ -165,9 +165,8 @@ def _export_frame(run: Run, frame: int, path: Path) -> Path:
 
 def _is_demo(folder: Path, views: list[str]) -> bool:
     """Return whether a folder holds the demo, which may be repeated, and not work of the user."""
-    names = [Path(view).name for view in views]
     try:
-        return [Path(view).name for view in Run(folder).settings().get("views", [])] == names
+        return Run(folder).settings().get("views", []) == views
     except ValueError:
         return False
 

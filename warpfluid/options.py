@@ -138,7 +138,12 @@ class ReconstructOptions:
             views: Number of views.
             width: Width of an image [pixel].
             bright: Share of the lit pixels above grey level 200; the same for all frames of a shot, or it flickers.
+
+        Raises:
+            ValueError: If an option does not suit the number of views.
         """
+        if views > 1 and self.hull == "round":
+            raise ValueError("hull is round, which one view needs; with several leave it at auto")
         shoulder = self.shoulder
         if shoulder is None:
             shoulder = FLAME_SHOULDER if views == 1 and bright > BRIGHT_FLAME else 0.0

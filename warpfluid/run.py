@@ -120,7 +120,7 @@ class Run:
             check_same(self.folder, old, document)
             join_frames(old, document)
         self._make_folder()
-        if there and overwrite:
+        if overwrite:
             for path in (*self.folder.glob(VOLUMES), *(self.folder / name for name in (RECORDS, FILM, PAGE))):
                 path.unlink(missing_ok=True)
         kept = self._keep_whole() if resume else {}
@@ -140,9 +140,17 @@ class Run:
             The whole record.
 
         Raises:
+            ValueError: If the volume is not finite.
             OSError: If a file cannot be written.
         """
+        if not np.isfinite(density).all():
+            raise ValueError(
+                "the volume is not finite: the footage is too bright for the options; see --white, --shoulder"
+            )
         path = self.volume_path(frame)
+        lost = lost_mass(density, output.drop_below * float(np.abs(density).max()))
+        record = {"frame": frame, "file": path.name, **record, "mass_dropped": lost}
+        line = json.dumps(record, allow_nan=False)
         for left in self.folder.glob(f".{path.name}.*.tmp"):  # of a run that was killed while it wrote this frame
             left.unlink(missing_ok=True)
         kept = stored(density, output)
@@ -156,9 +164,7 @@ class Run:
             up=output.up,
             metadata={"frame": frame},
         )
-        lost = lost_mass(density, output.drop_below * float(density.max()))
-        record = {"frame": frame, "file": path.name, **record, "mass_dropped": lost}
-        self._append(json.dumps(record, allow_nan=False))
+        self._append(line)
         return record
 
     def _make_folder(self) -> None:
@@ -207,7 +213,8 @@ def stored(density: np.ndarray, output: OutputOptions) -> np.ndarray:
         density: Shape (x, z, y).
         output: How it is stored.
     """
-    kept = np.where(density > output.drop_below * float(density.max()), density, np.float32(0))
+    size = np.abs(density)
+    kept = np.where(size > output.drop_below * float(size.max()), density, np.float32(0))
     return kept.astype(np.float16).astype(np.float32) if output.half else kept
 
 

@@ -11,10 +11,10 @@ from warpfluid.projector import directions
 SHAPE = (9, 9, 50)
 
 
-def lifted(flows, angles, device, shape=SHAPE, corner=(0, 0)):
+def lifted(flows, angles, device, shape=SHAPE, corner=(0, 0), average=False):
     u, v = (wp.array(np.stack([f[i] for f in flows]), dtype=float, device=device) for i in (0, 1))
     fan = directions(np.array(angles, float), pick_device(device))
-    return [part.numpy() for part in lift(u, v, fan, shape, corner=corner)]
+    return [part.numpy() for part in lift(u, v, fan, shape, corner=corner, average=average)]
 
 
 def equations(flows, angles, shape=SHAPE):
@@ -38,8 +38,33 @@ def test_equations_5_to_7(device):
     rng = np.random.default_rng(0)
     angles = (10.0, 75.0, 140.0)
     flows = [rng.standard_normal((2, 9, 50)).astype(np.float32) for _ in angles]
-    for ours, expected in zip(lifted(flows, angles, device), equations(flows, angles), strict=True):
-        np.testing.assert_allclose(ours, expected, atol=1e-5)
+    ours = lifted(flows, angles, device, average=True)
+    for component, expected in zip(ours, equations(flows, angles), strict=True):
+        np.testing.assert_allclose(component, expected, atol=1e-5)
+
+
+@pytest.mark.parametrize("angles", [(0, 90), (0, 45), (35, 128), (0, 60, 120), (10, 20, 150)])
+def test_uniform_motion_is_found(angles, device):
+    """Whatever the views, least squares returns the motion that they show; at 0 and 90 Eqs. 5-7 do, too."""
+    motion = np.array([1.0, -0.5, 2.0])
+    flows = [
+        np.stack([np.full((9, 50), motion[0] * np.cos(t) + motion[1] * np.sin(t)), np.full((9, 50), motion[2])])
+        for t in np.radians(angles)
+    ]
+    for component, expected in zip(lifted(flows, angles, device), motion, strict=True):
+        np.testing.assert_allclose(component, expected, atol=1e-4)
+    if angles == (0, 90):
+        for component, expected in zip(lifted(flows, angles, device, average=True), motion, strict=True):
+            np.testing.assert_allclose(component, expected, atol=1e-5)
+
+
+@pytest.mark.parametrize("angle", [0, 30, 90, 200])
+def test_one_view_moves_across_its_sight_alone(angle, device):
+    """The motion is along u by what the view shows, and 0 along the line of sight."""
+    x, z, _ = lifted([np.ones((2, 9, 50), np.float32)], (angle,), device)
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    np.testing.assert_allclose(x * c + z * s, 1, atol=1e-5)
+    np.testing.assert_allclose(z * c - x * s, 0, atol=1e-5)
 
 
 def test_a_part_of_the_box(device):

@@ -63,7 +63,7 @@ def follow(
     if lacking > CUT:
         return None
     roughen(volume, inputs, options, amplitude=min(REFRESH, options.start_noise))
-    options = replace(options, iterations=min(few + round(lacking / CUT * (full - few)), max(few, full)))
+    options = replace(options, iterations=few + round(lacking / CUT * max(full - few, 0)))
     energies = Iteration(inputs, options).run(volume, progress, fade_first=True)
     return finish(later, options, inputs, volume, initial, energies)
 

@@ -49,7 +49,7 @@ def reconstruct(
         The volume, the initial volume, the energies.
 
     Raises:
-        ValueError: If the start's shape differs or no pixel is lit.
+        ValueError: If the start's shape differs. A frame in which nothing is lit has an empty volume.
     """
     options = (options or ReconstructOptions()).settled(**footage_facts(views))
     device = pick_device(device)
@@ -178,7 +178,8 @@ class Iteration:
             self._fade(volume, made)
         if options.slice_rescale:
             self._rescale_slices(volume)
-        self._balance.apply(volume, options.balance, power=options.balance_power)
+        if options.non_negative:  # a factor cannot mend what is of either sign
+            self._balance.apply(volume, options.balance, power=options.balance_power)
 
     def _fade(self, volume: wp.array, made: np.ndarray) -> None:
         """Fade voxels that most views show as black: the corners of the hull and the outlines they leave."""

@@ -115,11 +115,11 @@ def make_inputs(views: Views, options: ReconstructOptions, device: wp.Device) ->
 
 
 def undo_shoulder(grey: np.ndarray, strength: float) -> np.ndarray:
-    """Take a film-like tone curve off footage; black and 255 stay.
+    """Take a film-like tone curve off footage; black and 255 stay, and the curve shows nothing brighter.
 
     The curve is I = 255 (1 - exp(-k L / 255)) / (1 - exp(-k)) of linear light L, k being the strength.
     """
-    return -255 / strength * np.log1p(np.expm1(-strength) * grey / 255) if strength else grey
+    return -255 / strength * np.log1p(np.expm1(-strength) * np.minimum(grey, 255) / 255) if strength else grey
 
 
 def apply_shoulder(light: np.ndarray, strength: float) -> np.ndarray:

@@ -37,8 +37,9 @@ def rough_start(inputs: Inputs, options: ReconstructOptions, initial: wp.array) 
         volume = _product(inputs, looks, options.footprint)
     if options.start_noise > 0:
         roughen(volume, inputs, options, amplitude=options.start_noise)
-        balancing = Balancing(looks, inputs.projectors(inputs.angles_deg, options.footprint))
-        balancing.apply(volume, SWEEPS)
+        if options.non_negative:
+            balancing = Balancing(looks, inputs.projectors(inputs.angles_deg, options.footprint))
+            balancing.apply(volume, SWEEPS)
     return volume
 
 
