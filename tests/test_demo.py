@@ -65,3 +65,12 @@ def test_demo_can_be_repeated_from_its_settings(tmp_path, capsys, small):
     assert run("reconstruct", *flags, "-o", again) == 0
     for path in again.glob("*.vdb"):
         assert path.read_bytes() == (tmp_path / "demo" / path.name).read_bytes()
+
+
+def test_demo_spares_footage_of_the_same_name(tmp_path, capsys, small):
+    """A run of the user's own front.####.png and side.####.png is not the demo."""
+    folder = tmp_path / "run"
+    folder.mkdir()
+    (folder / "run.toml").write_text('views = ["0=/mine/front.####.png", "90=/mine/side.####.png"]')
+    assert run("demo", "-o", folder) == 2
+    assert "holds a run already" in capsys.readouterr().err

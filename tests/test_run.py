@@ -177,3 +177,26 @@ def test_settings_repeat_exactly(run):
     assert ReconstructOptions(**document["reconstruct"]) == ReconstructOptions()
     assert InputOptions(**document["input"]) == InputOptions()
     assert OutputOptions(**document["output"]) == OutputOptions()
+
+
+def test_a_volume_that_is_not_finite_leaves_nothing(run):
+    """Neither a file nor a record."""
+    with pytest.raises(ValueError, match="not finite"):
+        run.write_frame(1003, DENSITY * np.inf, OutputOptions(), {"seconds": 1.0})
+    assert numbers(run.folder) == [1001, 1002]
+    assert 1003 not in run.records()
+
+
+def test_overwriting_clears_strays(run):
+    """Volumes and records of a run whose settings are gone do not join the new one."""
+    (run.folder / "run.toml").unlink()
+    assert run.begin(settings(), FACTS, overwrite=True) == {}
+    assert not list(run.folder.glob("*.vdb"))
+    assert run.records() == {}
+
+
+def test_negative_density_is_kept(run):
+    """Dropping is by size."""
+    output = OutputOptions(drop_below=0.1)
+    run.write_frame(1003, np.where(DENSITY > 0.5, -DENSITY, DENSITY), output, {"seconds": 1.0})
+    assert run.volume(1003).min() == pytest.approx(-DENSITY.max())

@@ -119,3 +119,8 @@ def test_a_spark_beside_the_flame_stays_in_the_hull(fire):
     hull = whole_hull(prepared(front[None], (0,)))
     assert hull[2:4, :, 20].any(axis=1).all()
     assert hull[2:4, :, 20].sum() <= 2 * 6
+
+
+def test_light_above_white_is_white():
+    """The curve has no value above 255: brighter light, as equalised rows or EXR have, stays finite."""
+    assert undo_shoulder(np.array([255.0, 300.0, 1e6]), 3.5) == pytest.approx([255, 255, 255])
