@@ -80,7 +80,6 @@ LAUNCHERS = {
         {"floor": 0.1, "cap": 4.0, "power": 1.0},
     ),
     vectors.apply_mean: ({"field": volume, "total": volume, "seen": volume}, {}),
-    vectors.share: ({"black": volume, "seen": volume, "out": volume}, {}),
     vectors.fade: ({"field": volume, "share": volume, "cover": volume}, {"limit": 0.5}),
     visual_hull.silhouette_hull: ({"lit": silhouettes, "directions": fan, "out": volume}, {}),
     visual_hull.occupied_runs: ({"hull": volume}, {}),

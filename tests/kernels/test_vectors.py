@@ -95,13 +95,14 @@ def test_ratio(fields, power, device):
 
 
 def test_means_over_rays(fields, device):
-    """``apply_mean`` multiplies by total / seen, ``share`` divides; nothing seen is no division by zero."""
+    """``apply_mean`` multiplies by total / seen, ``divide`` divides; nothing seen is no division by zero."""
     field, total, seen = fields
     arrays = [on(device, x) for x in fields]
     np.testing.assert_allclose(vectors.apply_mean(*arrays).numpy(), field * total / seen, rtol=1e-6)
     assert np.isfinite(vectors.apply_mean(*arrays[:2], wp.zeros_like(arrays[2])).numpy()).all()
     black = on(device, total)
-    np.testing.assert_allclose(vectors.share(black, arrays[2], out=black).numpy(), total / seen, rtol=1e-6)
+    found = vectors.divide(black, arrays[2], floor=0.25, out=black).numpy()
+    np.testing.assert_allclose(found, total / (seen + 0.25), rtol=1e-6)
 
 
 def test_fade(fields, device):

@@ -110,13 +110,6 @@ def divide_kernel(a: wp.array[float], b: wp.array[float], floor: float, out: wp.
 
 
 @wp.kernel
-def share_kernel(black: wp.array[float], seen: wp.array[float], out: wp.array[float]):
-    """Divide the back-projected black by how often a voxel is seen."""
-    i = wp.tid()
-    out[i] = black[i] / wp.max(seen[i], 1.0e-6)
-
-
-@wp.kernel
 def fade_kernel(share: wp.array[float], cover: wp.array[float], limit: float, out: wp.array[float]):
     """Scale by 1 - share / limit, the share taken over the covered part of its neighbourhood."""
     i = wp.tid()
@@ -189,11 +182,6 @@ def apply_mean(field: wp.array, total: wp.array, seen: wp.array) -> wp.array:
 def divide(a: wp.array, b: wp.array, *, floor: float, out: wp.array) -> wp.array:
     """Write a / (b + floor); ``out`` may be ``a``."""
     return elementwise(divide_kernel, [a, b, floor], out)
-
-
-def share(black: wp.array, seen: wp.array, *, out: wp.array) -> wp.array:
-    """Write black / seen; ``out`` may be ``black``."""
-    return elementwise(share_kernel, [black, seen], out)
 
 
 def fade(field: wp.array, share: wp.array, cover: wp.array, *, limit: float) -> wp.array:

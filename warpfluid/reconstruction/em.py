@@ -24,6 +24,7 @@ from warpfluid.reconstruction.start import given_start, least_squares, rough_sta
 from warpfluid.views import Views
 
 BRIGHT = 200.0  # grey level
+NEVER_SEEN = 1e-6  # keeps the share of a voxel that no ray visits at 0
 
 Progress = Callable[[int, float], None]
 
@@ -187,7 +188,7 @@ class Iteration:
         black[self._at] = self._measured <= self.inputs.threshold
         share = self._share
         self._fan.backproject(wp.array(black, dtype=float, device=self.device), out=share)
-        vectors.share(share, self._seen, out=share)
+        vectors.divide(share, self._seen, floor=NEVER_SEEN, out=share)
         blur(share, self.options.fade_blur, scratch=self._scratch, out=share)
         vectors.fade(volume, share, self._cover, limit=self.options.fade)
 
