@@ -14,7 +14,7 @@ import warpfluid
 LAYERS = [
     {"files", "options", "kernels", "device", "errors"},
     {"views", "footage", "metrics", "projector", "settings", "run", "motion"},
-    {"reconstruction", "rendering"},
+    {"reconstruction", "rendering", "simulation"},
     {"report", "commands", "progress", "doctor"},
     {"cli"},
 ]
