@@ -39,6 +39,21 @@ class Faces(NamedTuple):
         return cls(*(wp.zeros(face_shape(shape, axis), dtype=float, device=device) for axis in range(3)))
 
 
+@dataclass(frozen=True)
+class Solids:
+    """What stands in the fluid, as shares of faces and voxels (Batty, Bertails and Bridson 2007).
+
+    Attributes:
+        open: Share of each face that is fluid, 0 to 1.
+        velocity: Of the solid at each face [voxel/s].
+        fluid: Share of each voxel that is fluid, 0 to 1, shape (x, z, y).
+    """
+
+    open: Faces
+    velocity: Faces
+    fluid: wp.array
+
+
 @dataclass
 class FluidState:
     """A fluid at one moment.
