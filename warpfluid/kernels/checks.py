@@ -61,3 +61,16 @@ def same_shape(**arrays: wp.array) -> None:
     """
     (first, *_) = arrays.values()
     shape(first.shape, **arrays)
+
+
+def block(first: tuple[int, int, int], size: tuple[int, int, int], **arrays: wp.array) -> None:
+    """Check that a block of voxels lies inside of arrays.
+
+    Raises:
+        ValueError: If it is empty or reaches out of one.
+    """
+    for name, array in arrays.items():
+        inside = all(f >= 0 and n > 0 and f + n <= m for f, n, m in zip(first, size, array.shape, strict=True))
+        if not inside:
+            found = f"{tuple(size)} from {tuple(first)}"
+            raise ValueError(f"a block of {found} does not lie in {name}, whose shape is {tuple(array.shape)}")
