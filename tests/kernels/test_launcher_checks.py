@@ -7,7 +7,21 @@ import pytest
 import warp as wp
 
 from warpfluid.device import pick_device
-from warpfluid.kernels import advection, blur, filling, flow_lift, projection, vectors, visual_hull
+from warpfluid.kernels import (
+    advection,
+    blur,
+    filling,
+    flow_lift,
+    projection,
+    shapes,
+    shares,
+    spline,
+    tracing,
+    transport,
+    vectors,
+    visual_hull,
+)
+from warpfluid.kernels.sides import CLOSED, OPEN, SIX
 from warpfluid.projector import directions
 
 N, HEIGHTS, ANGLES = 6, 50, [0.0, 30.0, 90.0]
@@ -37,6 +51,13 @@ volume = floats(N, N, HEIGHTS)
 images = floats(len(ANGLES), N, HEIGHTS)
 silhouettes = bytes_(len(ANGLES), N, HEIGHTS)
 pair = {"a": volume, "b": volume}
+paths = floats(3, N, N, HEIGHTS)
+on_faces = {
+    "velocity_x": floats(N + 1, N, HEIGHTS),
+    "velocity_z": floats(N, N + 1, HEIGHTS),
+    "velocity_y": floats(N, N, HEIGHTS + 1),
+}
+placed = {"sides": SIX(OPEN, OPEN, OPEN, OPEN, CLOSED, OPEN), "place": 3}
 
 # Every public launcher: its arrays by name, and its other arguments.
 LAUNCHERS = {
@@ -66,6 +87,27 @@ LAUNCHERS = {
     filling.widen: ({"lack": volume, "total": volume, "seen": volume}, {}),
     filling.fill: ({"volume": volume, "lack": volume, "source": volume}, {"gain": 2.0}),
     flow_lift.lift: ({"flow_u": images, "flow_v": images, "directions": fan}, {"shape": (N, N, HEIGHTS)}),
+    spline.carry_spline: ({"field": volume, "path": paths, "out": volume}, placed),
+    tracing.trace: ({**on_faces, "out": paths}, placed | {"time_step": 0.1}),
+    transport.carry: ({"field": volume, "path": paths, "out": volume}, placed),
+    transport.correct: (
+        {"field": volume, "carried": volume, "back": paths, "forth": paths, "out": volume},
+        placed,
+    ),
+    transport.mend: ({"field": volume, "carried": volume, "path": paths, "out": volume}, placed),
+    transport.limit: ({"field": volume, "path": paths, "out": volume}, placed),
+    shapes.unite: ({"out": volume}, {"shape": shapes.PlacedShape(), "first": (0.0, 0.0, 0.0)}),
+    shapes.nearest_velocity: (
+        {"nearest": volume, "velocity": volume},
+        {"shape": shapes.PlacedShape(), "axis": 1, "first": (0, 0, 0)},
+    ),
+    shares.face_share: (
+        {"corners": floats(N + 1, N + 1, HEIGHTS + 1), "out": floats(N, N, HEIGHTS + 1)},
+        {"axis": 2, "first": (0, 0, 0)},
+    ),
+    shares.voxel_share: ({"corners": floats(N + 1, N + 1, HEIGHTS + 1), "out": volume}, {"first": (0, 0, 0)}),
+    shares.hold: ({"velocity": volume, "opening": volume, "solid": volume}, {}),
+    shares.empty_covered: ({"field": volume, "fluid": volume}, {}),
     vectors.dot: (pair, {}),
     vectors.divide: ({**pair, "out": volume}, {"floor": 0.1}),
     vectors.add_scaled: ({**pair, "out": volume}, {"factor": 2.0}),
@@ -90,6 +132,11 @@ OPTIONAL = {
     (blur.blur, "out"),
     (blur.convolve, "scratch"),
     (blur.convolve, "out"),
+    (spline.carry_spline, "out"),
+    (tracing.trace, "out"),
+    (transport.carry, "out"),
+    (transport.correct, "out"),
+    (transport.mend, "out"),
     (visual_hull.silhouette_hull, "out"),
 }
 MAY_BE_SHORT = {
@@ -98,6 +145,10 @@ MAY_BE_SHORT = {
     (projection.project, "volume"),  # a part of the box
     (projection.ray_spans, "occupied"),
     (projection.ray_spans, "directions"),
+    (shapes.unite, "out"),  # any lattice
+    (shapes.nearest_velocity, "nearest"),  # a block
+    (shares.face_share, "corners"),
+    (shares.voxel_share, "corners"),
 }
 
 
@@ -160,7 +211,10 @@ def test_refuses_arrays_on_different_devices(launcher, device):
         launcher(**kwargs)
 
 
-@pytest.mark.parametrize("module", [advection, blur, filling, flow_lift, projection, vectors, visual_hull])
+@pytest.mark.parametrize(
+    "module",
+    [advection, blur, filling, flow_lift, projection, shapes, shares, spline, tracing, transport, vectors, visual_hull],
+)
 def test_no_launcher_is_left_out(module):
     """A public function that takes arrays is in the table above."""
     public = {

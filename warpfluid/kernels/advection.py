@@ -4,62 +4,14 @@ Paths are traced with the midpoint rule. The value is taken from a cubic B-splin
 detail that linear interpolation loses, and is kept within the eight voxels around the source, so nothing overshoots.
 """
 
-import functools
-import math
-
-import numpy as np
 import warp as wp
 
 from warpfluid.kernels import checks
 from warpfluid.kernels.blur import convolve
 from warpfluid.kernels.launch import CPU_RUN, CUDA_RUN, launch
+from warpfluid.kernels.sampling import fetch, spline_taps, spline_weights, trilinear
 
 wp.set_module_options({"enable_backward": False})
-
-SPLINE_POLE = math.sqrt(3.0) - 2.0
-SPLINE_REACH = 12  # taps either side; the filter falls by 3.7 a tap
-
-
-@wp.func
-def trilinear(field: wp.array3d[float], at: wp.vec3) -> float:
-    """Interpolate linearly, the nearest voxel's value beyond the border."""
-    i = wp.clamp(at[0], 0.0, float(field.shape[0] - 1))
-    j = wp.clamp(at[1], 0.0, float(field.shape[1] - 1))
-    k = wp.clamp(at[2], 0.0, float(field.shape[2] - 1))
-    i0 = wp.min(int(i), wp.max(field.shape[0] - 2, 0))
-    j0 = wp.min(int(j), wp.max(field.shape[1] - 2, 0))
-    k0 = wp.min(int(k), wp.max(field.shape[2] - 2, 0))
-    i1 = wp.min(i0 + 1, field.shape[0] - 1)
-    j1 = wp.min(j0 + 1, field.shape[1] - 1)
-    k1 = wp.min(k0 + 1, field.shape[2] - 1)
-    a = i - float(i0)
-    b = j - float(j0)
-    c = k - float(k0)
-    near = wp.lerp(
-        wp.lerp(field[i0, j0, k0], field[i0, j0, k1], c), wp.lerp(field[i0, j1, k0], field[i0, j1, k1], c), b
-    )
-    far = wp.lerp(wp.lerp(field[i1, j0, k0], field[i1, j0, k1], c), wp.lerp(field[i1, j1, k0], field[i1, j1, k1], c), b)
-    return wp.lerp(near, far, a)
-
-
-@wp.func
-def fetch(field: wp.array3d[float], i: int, j: int, k: int) -> float:
-    """Return a voxel, 0 beyond the border."""
-    if i < 0 or j < 0 or k < 0 or i >= field.shape[0] or j >= field.shape[1] or k >= field.shape[2]:
-        return float(0.0)
-    return field[i, j, k]
-
-
-@wp.func
-def spline_weights(t: float) -> wp.vec4:
-    """Weights of the cubic B-spline at a fraction of a voxel."""
-    r = 1.0 - t
-    return wp.vec4(
-        r * r * r / 6.0,
-        (4.0 - 6.0 * t * t + 3.0 * t * t * t) / 6.0,
-        (4.0 - 6.0 * r * r + 3.0 * r * r * r) / 6.0,
-        t * t * t / 6.0,
-    )
 
 
 @wp.kernel
@@ -106,13 +58,6 @@ def advect_kernel(
         out[x, z, y] = wp.clamp(total, low, high)
 
 
-@functools.cache
-def _spline_taps(device: str) -> wp.array:
-    """The filter that turns values into coefficients of the cubic B-spline through them."""
-    taps = SPLINE_POLE ** np.abs(np.arange(-SPLINE_REACH, SPLINE_REACH + 1))
-    return wp.array(taps / taps.sum(), dtype=float, device=device)
-
-
 def advect(
     field: wp.array3d[float],
     velocity_x: wp.array3d[float],
@@ -144,7 +89,7 @@ def advect(
     device = checks.same_device(field=field, **arrays)
     checks.floats(3, field=field, **arrays)
     checks.same_shape(field=field, **arrays)
-    spline = convolve(field, (_spline_taps(str(device)),) * 3)
+    spline = convolve(field, (spline_taps(str(device)),) * 3)
     inputs = [field, spline, velocity_x, velocity_z, velocity_y, time_step, CUDA_RUN if device.is_cuda else CPU_RUN]
     launch(advect_kernel, field.shape, inputs, [out], device)
     return out
