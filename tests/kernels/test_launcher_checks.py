@@ -10,14 +10,21 @@ from warpfluid.device import pick_device
 from warpfluid.kernels import (
     advection,
     blur,
+    combustion,
+    decay,
+    emission,
     filling,
     flow_lift,
+    forces,
     projection,
+    pushes,
     shapes,
     shares,
     spline,
+    swirl,
     tracing,
     transport,
+    turbulence,
     vectors,
     visual_hull,
 )
@@ -58,6 +65,7 @@ on_faces = {
     "velocity_y": floats(N, N, HEIGHTS + 1),
 }
 placed = {"sides": SIX(OPEN, OPEN, OPEN, OPEN, CLOSED, OPEN), "place": 3}
+stepped = {"sides": placed["sides"], "time_step": 0.1}
 
 # Every public launcher: its arrays by name, and its other arguments.
 LAUNCHERS = {
@@ -82,6 +90,25 @@ LAUNCHERS = {
     advection.advect: (
         {"field": volume, "velocity_x": volume, "velocity_z": volume, "velocity_y": volume, "out": volume},
         {},
+    ),
+    combustion.burn_fuel: (
+        {"fuel": volume, "temperature": volume, "density": volume, "flame": volume, "out": volume},
+        {"burn_rate": 1.0, "ignition": 0.1, "hottest": 2.0, "heat": 0.1, "smoke": 1.0, "expansion": 0.1}
+        | {"flame_decay": 1.0, "time_step": 0.1},
+    ),
+    decay.decay: ({"field": volume}, {"rate": 1.0, "time_step": 0.1}),
+    decay.radiate: ({"temperature": volume}, {"rate": 1.0, "hottest": 1.0, "time_step": 0.1}),
+    decay.cover: ({"density": volume, "out": volume}, {"reference": 1.0}),
+    forces.add_buoyancy: (
+        {**on_faces, "temperature": volume, "density": volume},
+        {"up": (0, 0, 9.8), "temperature_buoyancy": 1.0, "density_buoyancy": 1.0, "reference": 1.0} | stepped,
+    ),
+    forces.add_wind: ({**on_faces, "mask": volume}, {"rate": 1.0} | stepped),
+    pushes.add_push: (on_faces, {"kind": "radial", "strength": 1.0, "radius": 2.0} | stepped),
+    swirl.add_swirl: ({**on_faces, "mask": volume}, {"strength": 1.0} | stepped),
+    turbulence.add_turbulence: (
+        {**on_faces, "mask": volume},
+        {"strength": 1.0, "frequency": 0.1, "phase": 0.0, "octaves": 1, "seed": 0} | stepped,
     ),
     filling.missing: ({"picture": images, "rendered": images, "out": images}, {"slack": 1.2}),
     filling.widen: ({"lack": volume, "total": volume, "seen": volume}, {}),
@@ -108,6 +135,16 @@ LAUNCHERS = {
     shares.voxel_share: ({"corners": floats(N + 1, N + 1, HEIGHTS + 1), "out": volume}, {"first": (0, 0, 0)}),
     shares.hold: ({"velocity": volume, "opening": volume, "solid": volume}, {}),
     shares.empty_covered: ({"field": volume, "fluid": volume}, {}),
+    emission.cover: ({"share": volume}, {}),
+    emission.soften: ({"distance": volume}, {"width": 2.0}),
+    emission.let_in: (
+        {"weight": volume, "density": volume, "fuel": volume, "temperature": volume},
+        {"first": (0, 0, 0), "added": (1.0, 1.0), "hot": 1.0, "noise": (1.0, 0.1, 0.0)},
+    ),
+    emission.drive: (
+        {"weight": volume, "velocity": floats(N, N + 1, HEIGHTS)},
+        {"axis": 1, "first": (0, 0, 0), "target": 1.0, "rate": 1.0},
+    ),
     vectors.dot: (pair, {}),
     vectors.divide: ({**pair, "out": volume}, {"floor": 0.1}),
     vectors.add_scaled: ({**pair, "out": volume}, {"factor": 2.0}),
@@ -132,19 +169,30 @@ OPTIONAL = {
     (blur.blur, "out"),
     (blur.convolve, "scratch"),
     (blur.convolve, "out"),
+    (combustion.burn_fuel, "out"),
+    (decay.cover, "out"),
+    (forces.add_wind, "mask"),
     (spline.carry_spline, "out"),
+    (swirl.add_swirl, "mask"),
     (tracing.trace, "out"),
     (transport.carry, "out"),
     (transport.correct, "out"),
     (transport.mend, "out"),
+    (turbulence.add_turbulence, "mask"),
     (visual_hull.silhouette_hull, "out"),
 }
 MAY_BE_SHORT = {
+    (decay.decay, "field"),
+    (decay.radiate, "temperature"),
     (vectors.clip, "field"),
     (visual_hull.occupied_runs, "hull"),
     (projection.project, "volume"),  # a part of the box
     (projection.ray_spans, "occupied"),
     (projection.ray_spans, "directions"),
+    (emission.cover, "share"),
+    (emission.soften, "distance"),
+    (emission.let_in, "weight"),  # a block
+    (emission.drive, "weight"),
     (shapes.unite, "out"),  # any lattice
     (shapes.nearest_velocity, "nearest"),  # a block
     (shares.face_share, "corners"),
@@ -213,7 +261,26 @@ def test_refuses_arrays_on_different_devices(launcher, device):
 
 @pytest.mark.parametrize(
     "module",
-    [advection, blur, filling, flow_lift, projection, shapes, shares, spline, tracing, transport, vectors, visual_hull],
+    [
+        advection,
+        blur,
+        combustion,
+        decay,
+        filling,
+        forces,
+        pushes,
+        swirl,
+        turbulence,
+        flow_lift,
+        projection,
+        shapes,
+        shares,
+        spline,
+        tracing,
+        transport,
+        vectors,
+        visual_hull,
+    ],
 )
 def test_no_launcher_is_left_out(module):
     """A public function that takes arrays is in the table above."""
