@@ -12,24 +12,18 @@ from warpfluid.kernels import (
     blur,
     combustion,
     decay,
-    combustion,
-    decay,
     emission,
     filling,
     flow_lift,
     forces,
-    forces,
     projection,
-    pushes,
     pushes,
     shapes,
     shares,
     spline,
     swirl,
-    swirl,
     tracing,
     transport,
-    turbulence,
     turbulence,
     vectors,
     visual_hull,
@@ -72,7 +66,6 @@ on_faces = {
 }
 placed = {"sides": SIX(OPEN, OPEN, OPEN, OPEN, CLOSED, OPEN), "place": 3}
 stepped = {"sides": placed["sides"], "time_step": 0.1}
-stepped = {"sides": placed["sides"], "time_step": 0.1}
 
 # Every public launcher: its arrays by name, and its other arguments.
 LAUNCHERS = {
@@ -97,25 +90,6 @@ LAUNCHERS = {
     advection.advect: (
         {"field": volume, "velocity_x": volume, "velocity_z": volume, "velocity_y": volume, "out": volume},
         {},
-    ),
-    combustion.burn_fuel: (
-        {"fuel": volume, "temperature": volume, "density": volume, "flame": volume, "out": volume},
-        {"burn_rate": 1.0, "ignition": 0.1, "hottest": 2.0, "heat": 0.1, "smoke": 1.0, "expansion": 0.1}
-        | {"flame_decay": 1.0, "time_step": 0.1},
-    ),
-    decay.decay: ({"field": volume}, {"rate": 1.0, "time_step": 0.1}),
-    decay.radiate: ({"temperature": volume}, {"rate": 1.0, "hottest": 1.0, "time_step": 0.1}),
-    decay.cover: ({"density": volume, "out": volume}, {"reference": 1.0}),
-    forces.add_buoyancy: (
-        {**on_faces, "temperature": volume, "density": volume},
-        {"up": (0, 0, 9.8), "temperature_buoyancy": 1.0, "density_buoyancy": 1.0, "reference": 1.0} | stepped,
-    ),
-    forces.add_wind: ({**on_faces, "mask": volume}, {"rate": 1.0} | stepped),
-    pushes.add_push: (on_faces, {"kind": "radial", "strength": 1.0, "radius": 2.0} | stepped),
-    swirl.add_swirl: ({**on_faces, "mask": volume}, {"strength": 1.0} | stepped),
-    turbulence.add_turbulence: (
-        {**on_faces, "mask": volume},
-        {"strength": 1.0, "frequency": 0.1, "phase": 0.0, "octaves": 1, "seed": 0} | stepped,
     ),
     combustion.burn_fuel: (
         {"fuel": volume, "temperature": volume, "density": volume, "flame": volume, "out": volume},
@@ -198,23 +172,16 @@ OPTIONAL = {
     (combustion.burn_fuel, "out"),
     (decay.cover, "out"),
     (forces.add_wind, "mask"),
-    (combustion.burn_fuel, "out"),
-    (decay.cover, "out"),
-    (forces.add_wind, "mask"),
     (spline.carry_spline, "out"),
-    (swirl.add_swirl, "mask"),
     (swirl.add_swirl, "mask"),
     (tracing.trace, "out"),
     (transport.carry, "out"),
     (transport.correct, "out"),
     (transport.mend, "out"),
     (turbulence.add_turbulence, "mask"),
-    (turbulence.add_turbulence, "mask"),
     (visual_hull.silhouette_hull, "out"),
 }
 MAY_BE_SHORT = {
-    (decay.decay, "field"),
-    (decay.radiate, "temperature"),
     (decay.decay, "field"),
     (decay.radiate, "temperature"),
     (vectors.clip, "field"),
