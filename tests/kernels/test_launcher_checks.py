@@ -216,7 +216,8 @@ MISTAKES = {
 }
 
 
-ALLOWED = {"None": OPTIONAL, "short": MAY_BE_SHORT, "flat": {(vectors.clip, "field")}}
+MAY_BE_FLAT = {(vectors.clip, "field"), (emission.cover, "share"), (emission.soften, "distance")}
+ALLOWED = {"None": OPTIONAL, "short": MAY_BE_SHORT, "flat": MAY_BE_FLAT}
 CASES = [
     pytest.param(launcher, name, mistake, id=f"{launcher.__name__}-{name}-{mistake}")
     for launcher, (arrays, _) in LAUNCHERS.items()
