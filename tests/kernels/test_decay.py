@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from warpfluid.kernels.decay import cover, decay, radiate
+from warpfluid.kernels.decay import decay, make_mask, radiate
 
 SHAPE = (17, 5, 50)
 
@@ -66,10 +66,10 @@ def test_no_rate_keeps_the_bits(device):
     np.testing.assert_array_equal(field.numpy(), before)
 
 
-def test_cover_is_clipped(device):
+def test_a_mask_is_clipped(device):
     """0 where nothing is, 1 from the reference on."""
     field = random_field(device, -10, 100)
-    np.testing.assert_allclose(cover(field, reference=40).numpy(), np.clip(field.numpy() / 40, 0, 1), rtol=1e-6)
+    np.testing.assert_allclose(make_mask(field, reference=40).numpy(), np.clip(field.numpy() / 40, 0, 1), rtol=1e-6)
 
 
 def test_refuses_senseless_numbers(device):
@@ -82,4 +82,4 @@ def test_refuses_senseless_numbers(device):
     with pytest.raises(ValueError, match="hottest"):
         radiate(field, rate=1.0, hottest=0.0, time_step=1.0)
     with pytest.raises(ValueError, match="reference"):
-        cover(field, reference=0.0)
+        make_mask(field, reference=0.0)

@@ -98,7 +98,7 @@ LAUNCHERS = {
     ),
     decay.decay: ({"field": volume}, {"rate": 1.0, "time_step": 0.1}),
     decay.radiate: ({"temperature": volume}, {"rate": 1.0, "hottest": 1.0, "time_step": 0.1}),
-    decay.cover: ({"density": volume, "out": volume}, {"reference": 1.0}),
+    decay.make_mask: ({"density": volume, "out": volume}, {"reference": 1.0}),
     forces.add_buoyancy: (
         {**on_faces, "temperature": volume, "density": volume},
         {"up": (0, 0, 9.8), "temperature_buoyancy": 1.0, "density_buoyancy": 1.0, "reference": 1.0} | stepped,
@@ -170,7 +170,7 @@ OPTIONAL = {
     (blur.convolve, "scratch"),
     (blur.convolve, "out"),
     (combustion.burn_fuel, "out"),
-    (decay.cover, "out"),
+    (decay.make_mask, "out"),
     (forces.add_wind, "mask"),
     (spline.carry_spline, "out"),
     (swirl.add_swirl, "mask"),

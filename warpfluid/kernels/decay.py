@@ -36,7 +36,7 @@ def radiate_kernel(
 
 
 @wp.kernel
-def cover_kernel(
+def make_mask_kernel(
     first_row: int, first_block: int, density: wp.array3d[float], scale: float, run: int, out: wp.array3d[float]
 ):
     """Scale and keep within 0 and 1."""
@@ -96,7 +96,9 @@ def radiate(temperature: wp.array3d[float], *, rate: float, hottest: float, time
     return temperature
 
 
-def cover(density: wp.array3d[float], *, reference: float, out: wp.array3d[float] | None = None) -> wp.array3d[float]:
+def make_mask(
+    density: wp.array3d[float], *, reference: float, out: wp.array3d[float] | None = None
+) -> wp.array3d[float]:
     """Return how much smoke there is as a mask from 0 to 1: density / reference, at most 1.
 
     Args:
@@ -117,7 +119,7 @@ def cover(density: wp.array3d[float], *, reference: float, out: wp.array3d[float
     checks.same_shape(density=density, out=out)
     if not reference > 0:
         raise ValueError(f"reference is {reference}, expected a density above 0")
-    launch_run(cover_kernel, [density, 1.0 / reference], out)
+    launch_run(make_mask_kernel, [density, 1.0 / reference], out)
     return out
 
 
