@@ -1,0 +1,109 @@
+"""Meshes from files: every format, what exporters do to them, and what is refused."""
+
+import struct
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from warpfluid.files.mesh import read_mesh
+from warpfluid.simulation.triangles import box_surface, check_closed, weigh
+
+VERTICES, TRIANGLES = box_surface((2.0, 3.0, 4.0))
+
+
+def write_obj(path):
+    lines = [f"v {x} {y} {z}" for x, y, z in VERTICES] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in TRIANGLES]
+    path.write_text("\n".join(["# a comment", "o box", *lines]) + "\n")
+
+
+def write_ply(path):
+    head = f"ply\nformat ascii 1.0\nelement vertex {len(VERTICES)}\n"
+    head += "".join(f"property float {axis}\n" for axis in "xyz")
+    head += f"element face {len(TRIANGLES)}\nproperty list uchar int vertex_indices\nend_header\n"
+    rows = [" ".join(map(str, row)) for row in VERTICES] + [" ".join(map(str, (3, *row))) for row in TRIANGLES]
+    path.write_text(head + "\n".join(rows) + "\n")
+
+
+def write_stl(path):
+    triangles = [struct.pack("<12fH", 0, 0, 0, *VERTICES[row].ravel(), 0) for row in TRIANGLES]
+    path.write_bytes(b"".ljust(80) + struct.pack("<I", len(triangles)) + b"".join(triangles))
+
+
+WRITERS = {".obj": write_obj, ".ply": write_ply, ".stl": write_stl}
+
+
+@pytest.mark.parametrize("ending", [*WRITERS, ".STL"])
+def test_reads_a_closed_box(ending, tmp_path):
+    """Repeated corners are joined, so that it is closed, and it holds its volume."""
+    path = tmp_path / f"box{ending}"
+    WRITERS[ending.lower()](path)
+    vertices, triangles = read_mesh(path)
+    assert (vertices.dtype, triangles.dtype) == (np.float32, np.int32)
+    assert (vertices.shape, triangles.shape) == ((8, 3), (12, 3))
+    check_closed(vertices, triangles)
+    assert weigh(vertices, triangles).volume == pytest.approx(24)
+
+
+def test_cuts_quads_and_joins_seams(tmp_path):
+    """As a modeller exports a box, with texture coordinates that split its corners."""
+    sides = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
+    lines = [f"v {x} {y} {z}" for x, y, z in VERTICES] + ["vt 0 0", "vt 1 0", "vt 1 1", "vt 0 1"]
+    lines += ["f " + " ".join(f"{v}/{i + 1}" for i, v in enumerate(side)) for side in sides]
+    (tmp_path / "box.obj").write_text("\n".join(lines) + "\n")
+    vertices, triangles = read_mesh(tmp_path / "box.obj")
+    check_closed(vertices, triangles)
+    assert weigh(vertices, triangles).volume == pytest.approx(24)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("empty.obj", "", "is empty"),
+        ("words.obj", "hello\n", "no mesh"),
+        ("points.obj", "v 0 0 0\nv 1 0 0\n", "no triangles"),
+        ("nan.obj", "v 0 0 0\nv nan 0 0\nv 1 1 0\nf 1 2 3\n", "finite"),
+        ("beyond.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 9\n", "no mesh"),
+        ("sliver.obj", "v 0 0 0\nv 1 0 0\nv 0 0 0\nf 1 2 3\n", "no triangles"),
+        ("words.ply", "garbage\n", "no mesh"),
+        ("words.stl", "solid x\nfacet broken\n", "no mesh"),
+        ("car.fbx", "x", "ends in '.fbx'"),
+    ],
+)
+def test_refuses_what_is_no_mesh(name, content, words, tmp_path, capfd):
+    """In one sentence that names the file; the library prints nothing."""
+    (tmp_path / name).write_text(content)
+    with pytest.raises(ValueError, match=words) as caught:
+        read_mesh(tmp_path / name)
+    assert name in str(caught.value)
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("share", [0.3, 0.7, 0.99])
+def test_refuses_what_is_cut_off(share, tmp_path):
+    """Or it would have holes that nobody made."""
+    write_stl(tmp_path / "box.stl")
+    whole = (tmp_path / "box.stl").read_bytes()
+    (tmp_path / "box.stl").write_bytes(whole[: int(share * len(whole))])
+    with pytest.raises(ValueError, match=r"box\.stl"):
+        read_mesh(tmp_path / "box.stl")
+
+
+def test_missing_file_is_an_os_error(tmp_path):
+    """It has the file's name."""
+    with pytest.raises(FileNotFoundError, match="car"):
+        read_mesh(tmp_path / "car.obj")
+
+
+def test_needs_no_graphics_library(tmp_path):
+    """Nothing of OpenGL is loaded, so that it works on a farm's bare machines."""
+    write_obj(tmp_path / "box.obj")
+    program = f"""
+import sys
+from warpfluid.files.mesh import read_mesh
+read_mesh({str(tmp_path / "box.obj")!r})
+print(any("OpenGL" in name for name in sys.modules))
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=True)
+    assert done.stdout.split() == ["False"]
