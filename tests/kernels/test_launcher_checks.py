@@ -16,6 +16,7 @@ from warpfluid.kernels import (
     filling,
     flow_lift,
     forces,
+    pressure,
     projection,
     pushes,
     shapes,
@@ -114,6 +115,15 @@ LAUNCHERS = {
     filling.widen: ({"lack": volume, "total": volume, "seen": volume}, {}),
     filling.fill: ({"volume": volume, "lack": volume, "source": volume}, {"gain": 2.0}),
     flow_lift.lift: ({"flow_u": images, "flow_v": images, "directions": fan}, {"shape": (N, N, HEIGHTS)}),
+    pressure.add_flux: (
+        {name: floats(N, N + 1, HEIGHTS) for name in ("velocity", "open", "solid")} | {"out": volume},
+        {"axis": 1},
+    ),
+    pressure.subtract_gradient: (
+        {name: floats(N, N + 1, HEIGHTS) for name in ("coefficient", "open", "velocity")} | {"pressure": volume},
+        {"axis": 1, "sides": placed["sides"]},
+    ),
+    pressure.hold_walls: ({"velocity": volume}, {"axis": 1, "sides": placed["sides"]}),
     spline.carry_spline: ({"field": volume, "path": paths, "out": volume}, placed),
     tracing.trace: ({**on_faces, "out": paths}, placed | {"time_step": 0.1}),
     transport.carry: ({"field": volume, "path": paths, "out": volume}, placed),
@@ -154,6 +164,7 @@ LAUNCHERS = {
         {"fine_weight": 0.6, "coarse_weight": 0.3},
     ),
     vectors.clip: ({"field": volume}, {}),
+    vectors.largest: ({"a": volume}, {}),
     vectors.ratio: (
         {"target": images, "rendered": images, "out": images},
         {"floor": 0.1, "cap": 4.0, "power": 1.0},
@@ -184,7 +195,9 @@ OPTIONAL = {
 MAY_BE_SHORT = {
     (decay.decay, "field"),
     (decay.radiate, "temperature"),
+    (pressure.hold_walls, "velocity"),
     (vectors.clip, "field"),
+    (vectors.largest, "a"),
     (visual_hull.occupied_runs, "hull"),
     (projection.project, "volume"),  # a part of the box
     (projection.ray_spans, "occupied"),
@@ -273,6 +286,7 @@ def test_refuses_arrays_on_different_devices(launcher, device):
         swirl,
         turbulence,
         flow_lift,
+        pressure,
         projection,
         shapes,
         shares,

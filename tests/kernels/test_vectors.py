@@ -111,3 +111,14 @@ def test_fade(fields, device):
     arrays = [on(device, x) for x in fields]
     expected = field * np.clip(1 - share / cover / 0.5, 0, 1)
     np.testing.assert_allclose(vectors.fade(*arrays, limit=0.5).numpy(), expected, atol=2e-6)
+
+
+@pytest.mark.parametrize("shape", [(1, 1, 1), (3, 5, 7), (20, 30, 100)])
+def test_largest(shape, device):
+    """Of both signs, wherever it is; NaN is larger than all."""
+    values = np.random.default_rng(0).standard_normal(shape).astype(np.float32)
+    for found in (np.abs(values).max(), np.float32(9.0), np.float32(np.inf)):
+        values.flat[-1] = -found
+        assert vectors.largest(wp.array(values, device=device)) == found
+    values.flat[values.size // 2] = np.nan
+    assert np.isnan(vectors.largest(wp.array(values, device=device)))

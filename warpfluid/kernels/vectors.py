@@ -1,4 +1,4 @@
-"""Vector arithmetic of the solvers: fused updates, elementwise corrections, sums in float64."""
+"""Vector arithmetic of the solvers: fused updates, elementwise corrections, sums in float64, largest values."""
 
 import warp as wp
 
@@ -19,10 +19,33 @@ RUN_DOT = (
 """
 )
 
+# The bits of magnitudes are ordered as the magnitudes are, and NaN lies above all of them.
+RUN_LARGEST = (
+    """
+    const int heights = a.shape[2];"""
+    + RUN_OF_HEIGHTS
+    + """
+    const float* from = a.data + ((size_t)row * a.shape[1] + column) * heights + y;
+    int found = 0;
+    for (int l = 0; l < count; ++l) {
+        union { float value; int bits; } here = {from[l]};
+        const int bits = here.bits & 0x7fffffff;
+        found = bits > found ? bits : found;
+    }
+    return found;
+"""
+)
+BITS_A_FOLD = 256
+
 
 @wp.func_native(snippet=RUN_DOT)
 def run_dot(a: wp.array3d[float], b: wp.array3d[float], row: int, column: int, block: int) -> wp.float64:
     """Multiply and add a run of heights in float64."""
+
+
+@wp.func_native(snippet=RUN_LARGEST)
+def run_largest(a: wp.array3d[float], row: int, column: int, block: int) -> int:
+    """Return the bits of the largest magnitude in a run of heights."""
 
 
 @wp.kernel
@@ -38,6 +61,25 @@ def dot_kernel(
     row = first_row + i
     block = first_block + j
     partial[row, column, block] = run_dot(a, b, row, column, block)
+
+
+@wp.kernel
+def largest_kernel(first_row: int, first_block: int, a: wp.array3d[float], partial: wp.array3d[int]):
+    """Find the largest magnitude of one run of heights."""
+    i, column, j = wp.tid()
+    row = first_row + i
+    block = first_block + j
+    partial[row, column, block] = run_largest(a, row, column, block)
+
+
+@wp.kernel
+def fold_kernel(partial: wp.array[int], out: wp.array[int]):
+    """Find the largest of each group of numbers."""
+    i = wp.tid()
+    found = int(0)
+    for j in range(i * BITS_A_FOLD, wp.min((i + 1) * BITS_A_FOLD, partial.shape[0])):
+        found = wp.max(found, partial[j])
+    out[i] = found
 
 
 @wp.kernel
@@ -136,8 +178,29 @@ def dot(a: wp.array3d[float], b: wp.array3d[float], *, weights: list[float] | No
     rows, columns, heights = a.shape
     partial = wp.empty((rows, columns, run_count(heights, device)), dtype=wp.float64, device=device)
     launch(dot_kernel, a.shape, [a, b], [partial], device)
+    if device.is_cuda and weights is None:
+        return float(wp.utils.array_sum(partial.flatten()))
     sums = partial.numpy().sum(axis=(1, 2))
     return float(sums.sum() if weights is None else (sums * weights).sum())
+
+
+def largest(a: wp.array3d[float]) -> float:
+    """Return the largest magnitude in a volume, NaN if there is one.
+
+    Args:
+        a: Shape (rows, columns, heights).
+
+    Raises:
+        ValueError: If the type does not fit.
+    """
+    device = checks.same_device(a=a)
+    checks.floats(3, a=a)
+    rows, columns, heights = a.shape
+    partial = wp.empty((rows, columns, run_count(heights, device)), dtype=int, device=device)
+    launch(largest_kernel, a.shape, [a], [partial], device)
+    folded = wp.empty(-(-partial.size // BITS_A_FOLD), dtype=int, device=device)
+    wp.launch(fold_kernel, dim=folded.size, inputs=[partial.flatten()], outputs=[folded], device=device)
+    return float(folded.numpy().max(keepdims=True).view("float32")[0])
 
 
 def add_scaled(a: wp.array, factor: float, b: wp.array, *, out: wp.array) -> wp.array:
