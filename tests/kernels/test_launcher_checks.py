@@ -12,10 +12,12 @@ from warpfluid.kernels import (
     blur,
     combustion,
     decay,
+    edges,
     emission,
     filling,
     flow_lift,
     forces,
+    lattice,
     pressure,
     projection,
     pushes,
@@ -65,6 +67,11 @@ on_faces = {
     "velocity_z": floats(N, N + 1, HEIGHTS),
     "velocity_y": floats(N, N, HEIGHTS + 1),
 }
+on_edges = {
+    "edges_x": floats(N, N + 1, HEIGHTS + 1),
+    "edges_z": floats(N + 1, N, HEIGHTS + 1),
+    "edges_y": floats(N + 1, N + 1, HEIGHTS),
+}
 placed = {"sides": SIX(OPEN, OPEN, OPEN, OPEN, CLOSED, OPEN), "place": 3}
 stepped = {"sides": placed["sides"], "time_step": 0.1}
 
@@ -100,6 +107,12 @@ LAUNCHERS = {
     decay.decay: ({"field": volume}, {"rate": 1.0, "time_step": 0.1}),
     decay.radiate: ({"temperature": volume}, {"rate": 1.0, "hottest": 1.0, "time_step": 0.1}),
     decay.make_mask: ({"density": volume, "out": volume}, {"reference": 1.0}),
+    edges.mask_edges: ({**on_edges, "mask": volume}, {"sides": placed["sides"]}),
+    edges.add_curl: ({**on_faces, **on_edges}, {"sides": placed["sides"]}),
+    lattice.interpolate: (
+        {"tile": volume, "out": volume},
+        {"first": (0.0, 0.0, 0.0), "spacing": (2.0, 2.0, 2.0), "gain": 1.0},
+    ),
     forces.add_buoyancy: (
         {**on_faces, "temperature": volume, "density": volume},
         {"up": (0, 0, 9.8), "temperature_buoyancy": 1.0, "density_buoyancy": 1.0, "reference": 1.0} | stepped,
@@ -194,6 +207,8 @@ OPTIONAL = {
 }
 MAY_BE_SHORT = {
     (decay.decay, "field"),
+    (lattice.interpolate, "tile"),
+    (lattice.interpolate, "out"),
     (decay.radiate, "temperature"),
     (pressure.hold_walls, "velocity"),
     (vectors.clip, "field"),
@@ -280,8 +295,10 @@ def test_refuses_arrays_on_different_devices(launcher, device):
         blur,
         combustion,
         decay,
+        edges,
         filling,
         forces,
+        lattice,
         pushes,
         swirl,
         turbulence,

@@ -69,19 +69,16 @@ def vorticity_kernel(
     row, z, block = wp.tid()
     x = first_row + row
     begin = (first_block + block) * run
-    nx = size.shape[0]
-    nz = size.shape[1]
-    ny = size.shape[2]
-    x0 = before(x, nx, sides[0] == WRAP)
-    x1 = after(x, nx, sides[0] == WRAP)
-    z0 = before(z, nz, sides[2] == WRAP)
-    z1 = after(z, nz, sides[2] == WRAP)
-    dx = 0.5 * per_voxel(x, nx, sides[0] == WRAP)
-    dz = 0.5 * per_voxel(z, nz, sides[2] == WRAP)
-    for y in range(begin, wp.min(begin + run, ny)):
-        y0 = before(y, ny, sides[4] == WRAP)
-        y1 = after(y, ny, sides[4] == WRAP)
-        dy = 0.5 * per_voxel(y, ny, sides[4] == WRAP)
+    x0 = before(x, size.shape[0], sides[0] == WRAP)
+    x1 = after(x, size.shape[0], sides[0] == WRAP)
+    z0 = before(z, size.shape[1], sides[2] == WRAP)
+    z1 = after(z, size.shape[1], sides[2] == WRAP)
+    dx = 0.5 * per_voxel(x, size.shape[0], sides[0] == WRAP)
+    dz = 0.5 * per_voxel(z, size.shape[1], sides[2] == WRAP)
+    for y in range(begin, wp.min(begin + run, size.shape[2])):
+        y0 = before(y, size.shape[2], sides[4] == WRAP)
+        y1 = after(y, size.shape[2], sides[4] == WRAP)
+        dy = 0.5 * per_voxel(y, size.shape[2], sides[4] == WRAP)
         y_by_z = dz * (along_y(velocity_y, x, z1, y) - along_y(velocity_y, x, z0, y))
         z_by_y = dy * (along_z(velocity_z, x, z, y1) - along_z(velocity_z, x, z, y0))
         x_by_y = dy * (along_x(velocity_x, x, z, y1) - along_x(velocity_x, x, z, y0))
@@ -112,19 +109,16 @@ def confine_kernel(
     row, z, block = wp.tid()
     x = first_row + row
     begin = (first_block + block) * run
-    nx = size.shape[0]
-    nz = size.shape[1]
-    ny = size.shape[2]
-    x0 = before(x, nx, sides[0] == WRAP)
-    x1 = after(x, nx, sides[0] == WRAP)
-    z0 = before(z, nz, sides[2] == WRAP)
-    z1 = after(z, nz, sides[2] == WRAP)
-    dx = per_voxel(x, nx, sides[0] == WRAP)
-    dz = per_voxel(z, nz, sides[2] == WRAP)
-    for y in range(begin, wp.min(begin + run, ny)):
-        y0 = before(y, ny, sides[4] == WRAP)
-        y1 = after(y, ny, sides[4] == WRAP)
-        dy = per_voxel(y, ny, sides[4] == WRAP)
+    x0 = before(x, size.shape[0], sides[0] == WRAP)
+    x1 = after(x, size.shape[0], sides[0] == WRAP)
+    z0 = before(z, size.shape[1], sides[2] == WRAP)
+    z1 = after(z, size.shape[1], sides[2] == WRAP)
+    dx = per_voxel(x, size.shape[0], sides[0] == WRAP)
+    dz = per_voxel(z, size.shape[1], sides[2] == WRAP)
+    for y in range(begin, wp.min(begin + run, size.shape[2])):
+        y0 = before(y, size.shape[2], sides[4] == WRAP)
+        y1 = after(y, size.shape[2], sides[4] == WRAP)
+        dy = per_voxel(y, size.shape[2], sides[4] == WRAP)
         gradient = wp.vec3(
             dx * (size[x1, z, y] - size[x0, z, y]),
             dz * (size[x, z1, y] - size[x, z0, y]),
