@@ -11,6 +11,7 @@ from warpfluid.kernels import (
     advection,
     blur,
     combustion,
+    correlation,
     decay,
     edges,
     emission,
@@ -18,6 +19,9 @@ from warpfluid.kernels import (
     flow_lift,
     forces,
     lattice,
+    optical_flow,
+    pair_prices,
+    pictures,
     pressure,
     projection,
     pushes,
@@ -59,6 +63,7 @@ def spans(device):
 
 volume = floats(N, N, HEIGHTS)
 images = floats(len(ANGLES), N, HEIGHTS)
+picture = floats(N, HEIGHTS)
 silhouettes = bytes_(len(ANGLES), N, HEIGHTS)
 pair = {"a": volume, "b": volume}
 paths = floats(3, N, N, HEIGHTS)
@@ -186,8 +191,27 @@ LAUNCHERS = {
     vectors.fade: ({"field": volume, "share": volume, "cover": volume}, {"limit": 0.5}),
     visual_hull.silhouette_hull: ({"lit": silhouettes, "directions": fan, "out": volume}, {}),
     visual_hull.occupied_runs: ({"hull": volume}, {}),
+    correlation.expand: (
+        {"now": picture, "later": picture, "flow": floats(2, N, HEIGHTS), "out": floats(5, N, HEIGHTS)},
+        {"weight": 1.0},
+    ),
+    optical_flow.regularize: (
+        {
+            "flow": floats(2, N, HEIGHTS),
+            "expansion": floats(5, N, HEIGHTS),
+            "prices": floats(12, N, HEIGHTS),
+            "steps": picture,
+            "dual": floats(24, N, HEIGHTS),
+        },
+        {"iterations": 1},
+    ),
+    pair_prices.price_pairs: ({"picture": picture}, {}),
+    pictures.median: ({"flow": floats(2, N, HEIGHTS), "out": floats(2, N, HEIGHTS)}, {}),
+    pictures.resize: ({"field": images}, {"size": (3, 4)}),
 }
 OPTIONAL = {
+    (correlation.expand, "out"),
+    (pictures.median, "out"),
     (advection.advect, "out"),
     (blur.blur, "scratch"),
     (blur.blur, "out"),
@@ -206,6 +230,8 @@ OPTIONAL = {
     (visual_hull.silhouette_hull, "out"),
 }
 MAY_BE_SHORT = {
+    (pair_prices.price_pairs, "picture"),
+    (pictures.resize, "field"),
     (decay.decay, "field"),
     (lattice.interpolate, "tile"),
     (lattice.interpolate, "out"),
@@ -294,22 +320,26 @@ def test_refuses_arrays_on_different_devices(launcher, device):
         advection,
         blur,
         combustion,
+        correlation,
         decay,
         edges,
         filling,
+        flow_lift,
         forces,
         lattice,
-        pushes,
-        swirl,
-        turbulence,
-        flow_lift,
+        optical_flow,
+        pair_prices,
+        pictures,
         pressure,
         projection,
+        pushes,
         shapes,
         shares,
         spline,
+        swirl,
         tracing,
         transport,
+        turbulence,
         vectors,
         visual_hull,
     ],

@@ -35,7 +35,7 @@ def test_flow_finds_a_shift(method):
 
 def test_flow_refuses_what_it_does_not_know():
     """Names and shapes."""
-    with pytest.raises(ValueError, match="ilk, tvl1"):
+    with pytest.raises(ValueError, match="nltv-ncc, ilk, tvl1"):
         optical_flow(np.zeros((9, 9)), np.zeros((9, 9)), method="psychic")
     with pytest.raises(ValueError, match=r"\(9, 8\)"):
         optical_flow(np.zeros((9, 9)), np.zeros((9, 8)))

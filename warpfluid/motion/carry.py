@@ -30,12 +30,15 @@ def carry(volume: np.ndarray, now: Views, later: Views, *, method: str = "ilk", 
     Returns:
         The moved density, shape of ``volume``.
     """
-    flows = [optical_flow(a, b, method=method, white=now.white) for a, b in zip(now.images, later.images, strict=True)]
+    device = pick_device(device)
+    flows = [
+        optical_flow(a, b, method=method, white=now.white, device=device)
+        for a, b in zip(now.images, later.images, strict=True)
+    ]
     out = np.zeros_like(volume)
     part = _part(volume, reach=int(np.ceil(max(np.abs(flow).max() for flow in flows))) + MARGIN)
     if part is None:
         return out
-    device = pick_device(device)
     density = wp.array(np.ascontiguousarray(volume[part]), dtype=float, device=device)
     flow_u, flow_v = (wp.array(np.stack([f[i] for f in flows]), dtype=float, device=device) for i in (0, 1))
     corner = (part[0].start, part[1].start)
