@@ -66,7 +66,10 @@ class ReconstructOptions:
         "flow: a frame starts from the one before, carried along by the footage; none: frames alone (the paper)",
     ] = "flow"
     coherent_iterations: Annotated[int, "EM iterations of a carried frame; 2 are crisper and less calm"] = 1
-    flow: Annotated[Literal["ilk", "tvl1"], "Optical flow: iterative Lucas-Kanade, or TV-L1"] = "ilk"
+    flow: Annotated[
+        Literal["nltv-ncc", "ilk", "tvl1"],
+        "Optical flow: non-local TV with cross-correlation (the paper), iterative Lucas-Kanade, or TV-L1",
+    ] = "ilk"
     # rays
     footprint: Annotated[
         Literal["box", "joseph"], "What a voxel looks like to a ray: box conserves light in every view"
@@ -179,6 +182,7 @@ class OutputOptions:
 PAPER = {
     "angles": 180,
     "coherence": "none",
+    "flow": "nltv-ncc",
     "preconditioner": "none",
     "input_weight": 10.0,
     "row_sums": False,

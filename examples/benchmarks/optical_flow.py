@@ -106,9 +106,7 @@ def main() -> None:
     device, size = pick_device(arguments.device), QUICK_SIZE if arguments.quick else SIZE
     print(describe(device))
     now, later, *_ = make_pair(0, SPEEDS[1], change=True, size=size)
-    jobs = {
-        name: lambda name=name: optical_flow(now, later, method=name, white=1.0, device=device) for name in METHODS
-    }
+    jobs = {name: lambda name=name: optical_flow(now, later, method=name, white=1.0, device=device) for name in METHODS}
     times = interleaved(jobs, 3)
     columns = [(speed, change) for speed in SPEEDS for change in (False, True)]
     names = (f"{speed:g} change" if change else f"{speed:g} px" for speed, change in columns)
