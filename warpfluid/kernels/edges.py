@@ -34,19 +34,17 @@ def mask_kernel(
     row, z, block = wp.tid()
     x = first_row + row
     begin = (first_block + block) * run
+    x0 = cell_across(wp.where(axis == 0, x, x - 1), mask.shape[0], sides[0] == WRAP)
+    x1 = cell_across(x, mask.shape[0], sides[0] == WRAP)
+    z0 = cell_across(wp.where(axis == 1, z, z - 1), mask.shape[1], sides[2] == WRAP)
+    z1 = cell_across(z, mask.shape[1], sides[2] == WRAP)
     for y in range(begin, wp.min(begin + run, potential.shape[2])):
-        least = float(1.0)
-        for corner in range(4):
-            b = corner & 1
-            c = corner >> 1
-            i = x - wp.where(axis == 0, 0, b)
-            j = z - wp.where(axis == 1, 0, wp.where(axis == 0, b, c))
-            k = y - wp.where(axis == 2, 0, c)
-            i = cell_across(i, mask.shape[0], sides[0] == WRAP)
-            j = cell_across(j, mask.shape[1], sides[2] == WRAP)
-            k = cell_across(k, mask.shape[2], sides[4] == WRAP)
-            least = wp.min(least, mask[i, j, k])
-        potential[x, z, y] = least * potential[x, z, y]
+        y0 = cell_across(wp.where(axis == 2, y, y - 1), mask.shape[2], sides[4] == WRAP)
+        y1 = cell_across(y, mask.shape[2], sides[4] == WRAP)
+        # Each is here twice: along the edge there is one voxel only.
+        low = wp.min(wp.min(mask[x0, z0, y0], mask[x0, z0, y1]), wp.min(mask[x0, z1, y0], mask[x0, z1, y1]))
+        high = wp.min(wp.min(mask[x1, z0, y0], mask[x1, z0, y1]), wp.min(mask[x1, z1, y0], mask[x1, z1, y1]))
+        potential[x, z, y] = wp.min(low, high) * potential[x, z, y]
 
 
 @wp.func
