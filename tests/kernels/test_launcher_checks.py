@@ -13,6 +13,7 @@ from warpfluid.kernels import (
     combustion,
     correlation,
     decay,
+    diffusion,
     edges,
     emission,
     filling,
@@ -23,12 +24,14 @@ from warpfluid.kernels import (
     pair_prices,
     pictures,
     pressure,
+    probe,
     projection,
     pushes,
     shapes,
     shares,
     spline,
     swirl,
+    totals,
     tracing,
     transport,
     turbulence,
@@ -142,6 +145,9 @@ LAUNCHERS = {
         {"axis": 1, "sides": placed["sides"]},
     ),
     pressure.hold_walls: ({"velocity": volume}, {"axis": 1, "sides": placed["sides"]}),
+    diffusion.spread: ({"field": volume, "scratch": volume, "out": volume}, placed | {"variance": 0.5}),
+    totals.scale: ({"field": volume}, {"factor": 2.0}),
+    totals.total: ({"field": volume}, {}),
     spline.carry_spline: ({"field": volume, "path": paths, "out": volume}, placed),
     tracing.trace: ({**on_faces, "out": paths}, placed | {"time_step": 0.1}),
     transport.carry: ({"field": volume, "path": paths, "out": volume}, placed),
@@ -172,6 +178,10 @@ LAUNCHERS = {
     emission.drive: (
         {"weight": volume, "velocity": floats(N, N + 1, HEIGHTS)},
         {"axis": 1, "first": (0, 0, 0), "target": 1.0, "rate": 1.0},
+    ),
+    probe.probe: (
+        {"field": volume, "points": lambda device: wp.zeros(5, dtype=wp.vec3, device=device)},
+        {"shift": (0.5, 0.0, 0.0)},
     ),
     vectors.dot: (pair, {}),
     vectors.divide: ({**pair, "out": volume}, {"floor": 0.1}),
@@ -220,6 +230,8 @@ OPTIONAL = {
     (combustion.burn_fuel, "out"),
     (decay.make_mask, "out"),
     (forces.add_wind, "mask"),
+    (diffusion.spread, "scratch"),
+    (diffusion.spread, "out"),
     (spline.carry_spline, "out"),
     (swirl.add_swirl, "mask"),
     (tracing.trace, "out"),
@@ -237,12 +249,16 @@ MAY_BE_SHORT = {
     (lattice.interpolate, "out"),
     (decay.radiate, "temperature"),
     (pressure.hold_walls, "velocity"),
+    (totals.scale, "field"),
+    (totals.total, "field"),
     (vectors.clip, "field"),
     (vectors.largest, "a"),
     (visual_hull.occupied_runs, "hull"),
     (projection.project, "volume"),  # a part of the box
     (projection.ray_spans, "occupied"),
     (projection.ray_spans, "directions"),
+    (probe.probe, "field"),
+    (probe.probe, "points"),
     (emission.cover, "share"),
     (emission.soften, "distance"),
     (emission.let_in, "weight"),  # a block
@@ -270,7 +286,12 @@ MISTAKES = {
 }
 
 
-MAY_BE_FLAT = {(vectors.clip, "field"), (emission.cover, "share"), (emission.soften, "distance")}
+MAY_BE_FLAT = {
+    (vectors.clip, "field"),
+    (emission.cover, "share"),
+    (emission.soften, "distance"),
+    (totals.scale, "field"),
+}
 ALLOWED = {"None": OPTIONAL, "short": MAY_BE_SHORT, "flat": MAY_BE_FLAT}
 CASES = [
     pytest.param(launcher, name, mistake, id=f"{launcher.__name__}-{name}-{mistake}")
@@ -322,7 +343,9 @@ def test_refuses_arrays_on_different_devices(launcher, device):
         combustion,
         correlation,
         decay,
+        diffusion,
         edges,
+        emission,
         filling,
         flow_lift,
         forces,
@@ -331,12 +354,14 @@ def test_refuses_arrays_on_different_devices(launcher, device):
         pair_prices,
         pictures,
         pressure,
+        probe,
         projection,
         pushes,
         shapes,
         shares,
         spline,
         swirl,
+        totals,
         tracing,
         transport,
         turbulence,

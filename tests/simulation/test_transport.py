@@ -7,8 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.ndimage import gaussian_filter, map_coordinates
 
+from warpfluid.kernels import totals
 from warpfluid.simulation.state import Faces, face_shape, six_sides
-from warpfluid.simulation.transport import SCHEMES, advect_scalar, advect_scalars, advect_velocity
+from warpfluid.simulation.transport import SCHEMES, advect_scalar, advect_scalars, advect_velocity, keep_total
 
 BOXES = {
     "open": six_sides("open", "open", "open"),
@@ -244,3 +245,96 @@ def test_an_unknown_scheme_is_refused(device):
         advect_velocity(
             Faces.zeros((3, 3, 3), device), Faces.zeros((3, 3, 3), device), BOXES["open"], 1, scheme="euler"
         )
+
+
+def whirl(at):
+    """Taylor and Green's, in a box of side 1: velocity along x and z at (x, z)."""
+    x, z = 2 * np.pi * at
+    return 0.1 * np.array([np.sin(x) * np.cos(z), -np.cos(x) * np.sin(z)])
+
+
+def traced_back(at, seconds, steps=40):
+    """Follow the whirl back in time (fourth-order Runge-Kutta)."""
+    step = -seconds / steps
+    for _ in range(steps):
+        a = whirl(at)
+        b = whirl(at + 0.5 * step * a)
+        c = whirl(at + 0.5 * step * b)
+        at = at + step * (a + 2 * b + 2 * c + whirl(at + step * c)) / 6
+    return at
+
+
+@pytest.mark.parametrize(("scheme", "at_least"), [("maccormack", 1.7), ("bfecc", 1.7), ("semi-lagrangian", 0.7)])
+def test_order_of_convergence(scheme, at_least, device):
+    """A steady whirl winds up its own components: how fast the mean error falls with voxels and steps."""
+    errors = []
+    for n in (32, 64):
+        shape, steps = (n, n, 1), n // 4
+        at = [(at_places(shape, axis)[:2] + 0.5) / n for axis in range(3)]
+        velocity = faces([whirl(at[0])[0] * n, whirl(at[1])[1] * n, np.zeros(face_shape(shape, 2))], device)
+        moved = velocity
+        for _ in range(steps):
+            moved = advect_velocity(moved, velocity, BOXES["wrap"], 2.0 / steps, scheme=scheme)
+        errors.append(np.abs(moved.x.numpy() / n - whirl(traced_back(at[0], 2.0))[0]).mean())
+    assert at_least < np.log2(errors[0] / errors[1]) < at_least + 0.6
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_the_number_of_threads_does_not_matter(scheme, device, monkeypatch):
+    """The same bits with one thread and with three."""
+    shape = (37, 8, 60)
+    velocity, field = faces(swirl(shape), device), on(device, noise(shape))
+    found = []
+    for threads in ("1", "3"):
+        monkeypatch.setenv("WARPFLUID_THREADS", threads)
+        found.append(advect_scalar(field, velocity, BOXES["mixed"], 0.3, scheme=scheme).numpy())
+        found[-1] = [
+            found[-1],
+            *(part.numpy() for part in advect_velocity(velocity, velocity, BOXES["mixed"], 0.3, scheme=scheme)),
+        ]
+    for one, three in zip(*found, strict=True):
+        np.testing.assert_array_equal(one, three)
+
+
+def test_memory_of_the_caller_is_used(device):
+    """The same values, in the arrays that were given."""
+    shape = (9, 8, 20)
+    velocity, field = faces(swirl(shape), device), on(device, noise(shape))
+    out, faces_out = wp.empty_like(field), Faces(*(wp.empty_like(part) for part in velocity))
+    for scheme in SCHEMES:
+        expected = advect_scalar(field, velocity, BOXES["open"], 0.4, scheme=scheme).numpy()
+        assert advect_scalar(field, velocity, BOXES["open"], 0.4, scheme=scheme, out=out) is out
+        np.testing.assert_array_equal(out.numpy(), expected)
+        expected = advect_velocity(velocity, velocity, BOXES["open"], 0.4, scheme=scheme)
+        advect_velocity(velocity, velocity, BOXES["open"], 0.4, scheme=scheme, out=faces_out)
+        for part, there in zip(faces_out, expected, strict=True):
+            np.testing.assert_array_equal(part.numpy(), there.numpy())
+
+
+@pytest.mark.parametrize("factor", [0.25, 1.0, 3.0])
+def test_the_total_is_kept(factor, device):
+    """By a common factor, to the precision of the numbers; nothing comes of nothing."""
+    field = np.abs(noise((9, 8, 70)))
+    wanted = factor * totals.total(on(device, field))
+    assert wanted == pytest.approx(factor * field.sum(dtype=float), rel=1e-12)
+    kept = keep_total(on(device, field), wanted).numpy()
+    np.testing.assert_allclose(kept, factor * field, rtol=1e-6)
+    assert kept.sum(dtype=float) == pytest.approx(wanted, rel=1e-7)
+    empty = wp.zeros((4, 4, 4), dtype=float, device=device)
+    assert not keep_total(empty, 1.0).numpy().any()
+
+
+@pytest.mark.filterwarnings("ignore:Field.closest_values:DeprecationWarning")
+@pytest.mark.parametrize("scheme", ["semi-lagrangian", "maccormack"])
+def test_agrees_with_phiflow(scheme, device):
+    """An independent solver, in a periodic box; its paths are straight, so the velocity is uniform here."""
+    flow = pytest.importorskip("phi.flow")
+    shape, velocity = (12, 10, 14), (1.3, -0.45, 2.7)
+    field = gaussian_filter(noise(shape), 1, mode="wrap")
+    tensor = flow.math.tensor(field, flow.spatial("x,y,z"))
+    grid = flow.CenteredGrid(tensor, flow.extrapolation.PERIODIC, flow.Box(x=12, y=10, z=14))
+    wind = flow.CenteredGrid(velocity, flow.extrapolation.PERIODIC, flow.Box(x=12, y=10, z=14), x=12, y=10, z=14)
+    method = {"semi-lagrangian": flow.advect.semi_lagrangian, "maccormack": flow.advect.mac_cormack}[scheme]
+    theirs = method(grid, wind, 0.8).values.numpy("x,y,z")
+    ours = advect_scalar(on(device, field), uniform(shape, velocity, device), BOXES["wrap"], 0.8, scheme=scheme)
+    np.testing.assert_allclose(ours.numpy(), theirs, atol=2e-6)

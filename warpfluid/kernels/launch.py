@@ -29,6 +29,7 @@ RUN_OF_HEIGHTS = f"""
 """
 
 _ROWS_A_JOB = 16
+_ROWS_OF_WHOLE_COLUMNS_A_JOB = 4
 
 
 def run_count(heights: int, device: wp.Device) -> int:
@@ -49,7 +50,15 @@ def _pool(threads: int) -> ThreadPoolExecutor:
     return ThreadPoolExecutor(threads, thread_name_prefix="warpfluid")
 
 
-def launch(kernel: wp.Kernel, shape: tuple[int, int, int], inputs: list, outputs: list, device: wp.Device) -> None:
+def launch(
+    kernel: wp.Kernel,
+    shape: tuple[int, int, int],
+    inputs: list,
+    outputs: list,
+    device: wp.Device,
+    *,
+    whole_columns: bool = False,
+) -> None:
     """Launch a kernel over (rows, columns, heights), a run of heights a thread.
 
     Args:
@@ -58,6 +67,8 @@ def launch(kernel: wp.Kernel, shape: tuple[int, int, int], inputs: list, outputs
         inputs: Further inputs.
         outputs: Arrays to write; no two threads may write the same place.
         device: Where the arrays are.
+        whole_columns: Do all runs of a column one after the other: faster for a kernel that reads its surroundings
+            once, from many arrays. Otherwise a slab as high as a run is done at a time: rays find it in the cache.
     """
     rows, columns, heights = shape
     blocks = run_count(heights, device)
@@ -66,12 +77,15 @@ def launch(kernel: wp.Kernel, shape: tuple[int, int, int], inputs: list, outputs
         return
     kernel.module.load(device)  # two threads that meet an unloaded module would both compile it
 
+    step = _ROWS_OF_WHOLE_COLUMNS_A_JOB if whole_columns else _ROWS_A_JOB
+    depth = max(blocks, 1) if whole_columns else 1
+
     def work(job):
         block, row = job
-        dim = (min(_ROWS_A_JOB, rows - row), columns, 1)
+        dim = (min(step, rows - row), columns, depth)
         wp.launch(kernel, dim=dim, inputs=[row, block, *inputs], outputs=outputs, device=device)
 
-    jobs = [(block, row) for block in range(blocks) for row in range(0, rows, _ROWS_A_JOB)]
+    jobs = [(block, row) for block in range(0, blocks, depth) for row in range(0, rows, step)]
     list(_pool(thread_count()).map(work, jobs))
 
 

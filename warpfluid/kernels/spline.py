@@ -139,7 +139,9 @@ def carry_spline(
     checks.shape((3, *field.shape), path=path)
     run = CUDA_RUN if device.is_cuda else CPU_RUN
     padded = wp.empty(tuple(n + 2 * MARGIN for n in field.shape), dtype=float, device=device)
-    launch(continue_kernel, padded.shape, [field, sides, place, MARGIN, run], [padded], device)
+    launch(continue_kernel, padded.shape, [field, sides, place, MARGIN, run], [padded], device, whole_columns=True)
     spline = convolve(padded, (spline_taps(str(device)),) * 3, out=padded)
-    launch(carry_spline_kernel, field.shape, [spline, path, sides, place, MARGIN, run], [out], device)
+    launch(
+        carry_spline_kernel, field.shape, [spline, path, sides, place, MARGIN, run], [out], device, whole_columns=True
+    )
     return out

@@ -158,5 +158,12 @@ def trace(
     checks.same_device(velocity_x=velocity_x, out=out)
     checks.floats(4, out=out)
     checks.shape((3, *shape), out=out)
-    launch(trace_kernel, shape, [velocity_x, velocity_z, velocity_y, sides, place, time_step], [out], device)
+    launch(
+        trace_kernel,
+        shape,
+        [velocity_x, velocity_z, velocity_y, sides, place, time_step],
+        [out],
+        device,
+        whole_columns=True,
+    )
     return out

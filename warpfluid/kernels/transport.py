@@ -56,6 +56,8 @@ PLACES = (
         value = value > low ? value : low;
         return value < high ? value : high;
     };
+    // What is read might be what is written, for all the compiler knows: results wait here, so that it can use vectors.
+    float value[RUN];
     float* to = out.data + start;
 """
 )
@@ -64,7 +66,8 @@ CARRY = (
     PLACES
     + """
     const float *px = path.data + start, *pz = px + places, *py = pz + places;
-    for (int l = 0; l < count; ++l) to[l] = read(field.data, px[l], pz[l], py[l]);
+    for (int l = 0; l < count; ++l) value[l] = read(field.data, px[l], pz[l], py[l]);
+    for (int l = 0; l < count; ++l) to[l] = value[l];
 """
 )
 
@@ -74,7 +77,6 @@ CORRECT = (
     const float *px = back.data + start, *pz = px + places, *py = pz + places;
     const float *qx = forth.data + start, *qz = qx + places, *qy = qz + places;
     const float *was = field.data + start, *now = carried.data + start;
-    float value[RUN];
     for (int l = 0; l < count; ++l) value[l] = now[l] + 0.5f * (was[l] - read(carried.data, qx[l], qz[l], qy[l]));
     for (int l = 0; l < count; ++l) value[l] = limit(value[l], px[l], pz[l], py[l]);
     for (int l = 0; l < count; ++l)
@@ -89,8 +91,9 @@ MEND = (
     const float* was = field.data + start;
     for (int l = 0; l < count; ++l) {
         const float error = was[l] - read(carried.data, px[l], pz[l], py[l]);
-        to[l] = was[l] + (leaves(px[l], pz[l], py[l]) ? 0.0f : 0.5f * error);
+        value[l] = was[l] + (leaves(px[l], pz[l], py[l]) ? 0.0f : 0.5f * error);
     }
+    for (int l = 0; l < count; ++l) to[l] = value[l];
 """
 )
 
@@ -98,7 +101,8 @@ LIMIT = (
     PLACES
     + """
     const float *px = path.data + start, *pz = px + places, *py = pz + places;
-    for (int l = 0; l < count; ++l) to[l] = limit(to[l], px[l], pz[l], py[l]);
+    for (int l = 0; l < count; ++l) value[l] = limit(to[l], px[l], pz[l], py[l]);
+    for (int l = 0; l < count; ++l) to[l] = value[l];
 """
 )
 
@@ -251,7 +255,7 @@ def carry(
     """
     out = _out(out, field=field)
     device = _check(place, {"field": field, "out": out}, {"path": path})
-    launch(carry_kernel, field.shape, [field, path, sides, place], [out], device)
+    launch(carry_kernel, field.shape, [field, path, sides, place], [out], device, whole_columns=True)
     return out
 
 
@@ -286,7 +290,7 @@ def correct(
     """
     out = _out(out, field=field)
     device = _check(place, {"field": field, "carried": carried, "out": out}, {"back": back, "forth": forth})
-    launch(correct_kernel, field.shape, [field, carried, back, forth, sides, place], [out], device)
+    launch(correct_kernel, field.shape, [field, carried, back, forth, sides, place], [out], device, whole_columns=True)
     return out
 
 
@@ -317,7 +321,7 @@ def mend(
     """
     out = _out(out, field=field)
     device = _check(place, {"field": field, "carried": carried, "out": out}, {"path": path})
-    launch(mend_kernel, field.shape, [field, carried, path, sides, place], [out], device)
+    launch(mend_kernel, field.shape, [field, carried, path, sides, place], [out], device, whole_columns=True)
     return out
 
 
@@ -345,7 +349,7 @@ def limit(
         ValueError: If shapes, types or devices do not fit.
     """
     device = _check(place, {"field": field, "out": out}, {"path": path})
-    launch(limit_kernel, field.shape, [field, path, sides, place], [out], device)
+    launch(limit_kernel, field.shape, [field, path, sides, place], [out], device, whole_columns=True)
     return out
 
 
