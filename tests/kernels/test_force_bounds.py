@@ -23,7 +23,7 @@ from warpfluid.kernels.turbulence import add_turbulence
 
 start_warp()
 device = sys.argv[1]
-for shape in ((1, 1, 1), (1, 5, 2), (2, 1, 49), (9, 7, 97)):
+for shape in ((1, 5, 2), (9, 7, 97)):
     gas = [wp.full(shape, 0.5, dtype=float, device=device) for _ in range(4)]
     for sides in SIDES:
         faces = on(device, random_faces(shape, sides))
