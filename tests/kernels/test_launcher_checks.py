@@ -11,6 +11,7 @@ from warpfluid.kernels import (
     advection,
     blur,
     combustion,
+    correction,
     correlation,
     decay,
     diffusion,
@@ -144,6 +145,7 @@ LAUNCHERS = {
         {name: floats(N, N + 1, HEIGHTS) for name in ("coefficient", "open", "velocity")} | {"pressure": volume},
         {"axis": 1, "sides": placed["sides"]},
     ),
+    pressure.clear_solid: ({"fluid": volume, "out": volume}, {}),
     pressure.hold_walls: ({"velocity": volume}, {"axis": 1, "sides": placed["sides"]}),
     diffusion.spread: ({"field": volume, "scratch": volume, "out": volume}, placed | {"variance": 0.5}),
     totals.scale: ({"field": volume}, {"factor": 2.0}),
@@ -151,11 +153,11 @@ LAUNCHERS = {
     spline.carry_spline: ({"field": volume, "path": paths, "out": volume}, placed),
     tracing.trace: ({**on_faces, "out": paths}, placed | {"time_step": 0.1}),
     transport.carry: ({"field": volume, "path": paths, "out": volume}, placed),
-    transport.correct: (
+    correction.correct: (
         {"field": volume, "carried": volume, "back": paths, "forth": paths, "out": volume},
         placed,
     ),
-    transport.mend: ({"field": volume, "carried": volume, "path": paths, "out": volume}, placed),
+    correction.mend: ({"field": volume, "carried": volume, "path": paths, "out": volume}, placed),
     transport.limit: ({"field": volume, "path": paths, "out": volume}, placed),
     shapes.unite: ({"out": volume}, {"shape": shapes.PlacedShape(), "first": (0.0, 0.0, 0.0)}),
     shapes.nearest_velocity: (
@@ -236,8 +238,8 @@ OPTIONAL = {
     (swirl.add_swirl, "mask"),
     (tracing.trace, "out"),
     (transport.carry, "out"),
-    (transport.correct, "out"),
-    (transport.mend, "out"),
+    (correction.correct, "out"),
+    (correction.mend, "out"),
     (turbulence.add_turbulence, "mask"),
     (visual_hull.silhouette_hull, "out"),
 }
@@ -341,6 +343,7 @@ def test_refuses_arrays_on_different_devices(launcher, device):
         advection,
         blur,
         combustion,
+        correction,
         correlation,
         decay,
         diffusion,

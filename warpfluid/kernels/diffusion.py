@@ -15,7 +15,7 @@ from warpfluid.kernels.sides import SIX
 
 wp.set_module_options({"enable_backward": False})
 
-NEGLIGIBLE = 1.0e-9  # share of a value that a tap may leave out; float32 does not resolve it
+NEGLIGIBLE = 1.0e-8  # share of a value that a tap may leave out; float32 does not resolve it
 
 # Defines `inside` in the body of a native function: the place whose value stands at a place beyond the border, with its
 # sign in `sign`. Walls mirror scalars and what flows along them; what flows through them changes sign. Beyond open

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import warp as wp
 
-from warpfluid.kernels import spline, totals, transport
+from warpfluid.kernels import correction, spline, totals, transport
 from warpfluid.kernels.diffusion import spread
 from warpfluid.kernels.sides import SIX
 from warpfluid.kernels.tracing import CENTRE, trace
@@ -156,7 +156,7 @@ def _carry(
         return transport.carry(field, back, sides, place=place, out=out)
     carried = transport.carry(field, back, sides, place=place)
     if scheme == "maccormack":
-        return transport.correct(field, carried, *paths, sides, place=place, out=out)
-    mended = transport.mend(field, carried, paths[1], sides, place=place)
+        return correction.correct(field, carried, *paths, sides, place=place, out=out)
+    mended = correction.mend(field, carried, paths[1], sides, place=place)
     out = transport.carry(mended, back, sides, place=place, out=carried if out is None else out)
     return transport.limit(field, back, sides, place=place, out=out)
