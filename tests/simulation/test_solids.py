@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from warpfluid.simulation.shapes import Box, Placed, Plane, Sphere, rotation_of_degrees
 from warpfluid.simulation.solids import build_solids, clear, enforce
-from warpfluid.simulation.state import Faces
+from warpfluid.simulation.state import Faces, six_sides
 
 GRID = (30, 32, 28)
 CENTRE = np.array([14.2, 13.7, 15.1])  # (x, y, z)
@@ -103,6 +103,22 @@ def test_the_nearest_gives_the_velocity(device):
         velocity = built(placed, device).velocity.x.numpy()
         assert velocity[7, 15, 14] == 5
         assert velocity[22, 15, 14] == 0
+
+
+def test_leaves_through_a_side_that_wraps(device):
+    """And comes in across it: the first and the last faces are the same, and its volume is all there."""
+    ball = Placed(Sphere(6.0), (28.3, 13.0, 0.4), velocity=(1, 2, 3), spin=(0.1, 0.2, 0.3))
+    sides = six_sides("wrap", "wrap", "closed")
+    solids = build_solids([ball], GRID, wp.get_device(device), sides=sides)
+    assert (1 - solids.fluid.numpy()).sum() == pytest.approx(4 / 3 * np.pi * 6**3, rel=0.02)
+    for axis in range(2):
+        for part in (solids.open[axis], solids.velocity[axis]):
+            faces = np.moveaxis(part.numpy(), axis, 0)
+            assert faces[0].std() > 0
+            np.testing.assert_allclose(faces[0], faces[-1], atol=2e-5)
+    middle = Placed(Sphere(6.0), CENTRE)
+    same = build_solids([middle], GRID, wp.get_device(device), sides=sides)
+    np.testing.assert_array_equal(same.fluid.numpy(), built([middle], device).fluid.numpy())
 
 
 def test_velocity_is_held_where_faces_are_closed(device):
