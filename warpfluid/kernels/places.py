@@ -77,6 +77,10 @@ def check_places(place: int, fields: dict[str, wp.array], paths: dict[str, wp.ar
     checks.shape((3, *fields["field"].shape), **paths)
     if place not in (0, 1, 2, 3):
         raise ValueError(f"place is {place}, expected the axis of the faces, 0, 1 or 2, or 3 for the centres")
+    if fields["field"].size >= 2**31:
+        raise ValueError(
+            f"field has shape {fields['field'].shape}, expected less than 2^31 values: reduce the resolution"
+        )
     if any(fields["out"] is fields[name] for name in fields if name != "out"):
         raise ValueError("out is one of the fields that are read: pass another array")
     return device

@@ -154,6 +154,10 @@ def trace(
     checks.shape((nx, nz + 1, ny), velocity_z=velocity_z)
     checks.shape((nx, nz, ny + 1), velocity_y=velocity_y)
     shape = (nx + (place == 0), nz + (place == 1), ny + (place == 2))
+    if (nx + 1) * (nz + 1) * (ny + 1) >= 2**31:
+        raise ValueError(
+            f"the box has {nx} x {nz} x {ny} voxels, expected less than 2^31 in all: reduce the resolution"
+        )
     out = wp.empty((3, *shape), dtype=float, device=device) if out is None else out
     checks.same_device(velocity_x=velocity_x, out=out)
     checks.floats(4, out=out)
