@@ -31,8 +31,8 @@ for shape in [(11, 13, 50), (3, 7, 49), (1, 1, 1)]:
     state = FluidState(Faces.zeros(shape, device), *cells)
     for solid in placed:
         for soft_edge in (0, 2):
-            emitter = Emitter(placed=solid, soft_edge=soft_edge, density=1, velocity=(1, 1, 1), velocity_rate=1, noise=1)
-            emit(state, emitter, 0.1)
+            out = {"density": 1, "velocity": (1, 1, 1), "velocity_rate": 1, "noise": 1}
+            emit(state, Emitter(placed=solid, soft_edge=soft_edge, **out), 0.1)
     solids = build_solids([*placed, Placed(Plane(), (0, 3, 0))], shape, device, sides=six_sides("wrap", "open", "wrap"))
     enforce(state.velocity, solids)
     clear(state.density, solids)
