@@ -319,6 +319,37 @@ def test_inspect(tmp_path, capsys):
     assert "fire.0002.png" in capsys.readouterr().err
 
 
+def test_flow(tmp_path, capsys):
+    """A line a pair and view, or JSON; two files each; a configuration's views count."""
+    flags, out = pair(tmp_path), tmp_path / "motion"
+    assert run("flow", *flags, "-o", out) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split("  ")[:2] for line in lines] == [
+        [f"frame {frame} to {frame + 1}", f"view {angle}"] for frame in (1, 2) for angle in (0, 90)
+    ]
+    stems = [f"flow.{angle}.000{frame}" for angle in (0, 90) for frame in (1, 2)]
+    assert {path.name for path in out.iterdir()} == {f"{stem}.{kind}" for stem in stems for kind in ("exr", "png")}
+    again = ["--json", "--frames", "2-3", "--flow", "tvl1", "-o", tmp_path / "again"]
+    assert run("flow", *flags, *again) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert [(found["frame"], found["angle_deg"]) for found in data["pairs"]] == [(2, 0), (2, 90)]
+    assert all(found["median"] <= found["fast"] for found in data["pairs"])
+
+
+def test_flow_refuses(tmp_path, capsys):
+    """One frame, a file in the way, an unknown method; nothing is left behind."""
+    flags = pair(tmp_path)
+    (tmp_path / "file").write_text("mine")
+    for extra, words in (
+        (["-o", tmp_path / "file"], "is a file: name a folder"),
+        (["-o", tmp_path / "one", "--frames", "2"], "there is only one"),
+        (["-o", tmp_path / "two", "--flow", "psychic"], "nltv-ncc"),
+    ):
+        assert run("flow", *flags, *extra) == 2
+        assert words in capsys.readouterr().err
+    assert not any((tmp_path / name).exists() for name in ("one", "two"))
+
+
 @pytest.mark.parametrize("extra", [[], ["-q"]])
 def test_json_is_all_that_stdout_carries(tmp_path, extra):
     """In a process of its own, so that what libraries print below Python counts, too."""
@@ -344,7 +375,7 @@ def test_help_is_light():
     heavy = ("warp", "scipy", "skimage", "av", "OpenEXR", "pyvista", "numpy.random")
     code = (
         "import sys; from warpfluid import cli\n"
-        "for command in ([], ['reconstruct'], ['inspect'], ['export'], ['demo'], ['doctor']):\n"
+        "for command in ([], ['reconstruct'], ['inspect'], ['flow'], ['export'], ['demo'], ['doctor']):\n"
         "    assert cli.main([*command, '--help']) == 0\n"
         f"print([name for name in {heavy} if name in sys.modules], file=sys.stderr)"
     )

@@ -136,6 +136,29 @@ def inspect(
 
 
 @app.command
+def flow(
+    *,
+    view: ViewFlag = None,
+    front: FrontFlag = None,
+    side: SideFlag = None,
+    out: Annotated[Path, Parameter(name=["--out", "-o"], help="Folder to write to")],
+    flow: Annotated[
+        Literal["nltv-ncc", "ilk", "tvl1"] | None,
+        Parameter(help="Optical flow, as for reconstruct", show_default=False),
+    ] = None,
+    config: ConfigFlag = None,
+    footage: InputFlags = NO_INPUT,
+    common: Common = COMMON,
+) -> int:
+    """Measure the motion in footage and write it: numbers as EXR, colours as PNG."""
+    from warpfluid import commands
+
+    views = [*(view or []), *_named_views(front, side)]
+    settings = commands.make_settings(views, footage, None, None, config=config)
+    return commands.flow(settings, out, flow, common)
+
+
+@app.command
 def export(
     run: Annotated[Path, Parameter(help="Folder of a run")],
     *,

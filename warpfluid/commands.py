@@ -54,6 +54,26 @@ def inspect(settings: Settings, picture: Path | None, common) -> int:
     return 0
 
 
+def flow(settings: Settings, out: Path, method: str | None, common) -> int:
+    """Write the flow of every view between the frames of a shot; return the exit code."""
+    from warpfluid.device import pick_device
+    from warpfluid.motion.shot_flow import write_shot_flow
+
+    device = pick_device(common.device)
+    shot = open_shot(settings.views, settings.input)
+    if len(shot.frames) < 2:
+        raise ValueError("a flow leads from one frame to the next, and there is only one: use more with --frames")
+    _make_folder(out)
+    pairs = []
+    for pair in write_shot_flow(shot, out, method=method or settings.reconstruct.flow, device=device):
+        pairs.append(pair.to_dict())
+        if not common.json:
+            print(pair.line(), flush=True)
+    if common.json:
+        print(json.dumps({"folder": str(out), "pairs": pairs}))
+    return 0
+
+
 def export(folder: Path, out: Path, form: str, frames: str | None, common) -> int:
     """Write the volumes of a run in another format; return the exit code."""
     run = Run(folder)
@@ -65,9 +85,7 @@ def export(folder: Path, out: Path, form: str, frames: str | None, common) -> in
         have = format_frames(there) if there else "none"
         lacks = f"lacks frame {format_frames(missing)}" if missing else "has no finished frame"
         raise ValueError(f"{folder} {lacks} (it has {have}): reconstruct it first, or choose with --frames")
-    if out.exists() and not out.is_dir():
-        raise ValueError(f"{out} is a file: name a folder with -o")
-    out.mkdir(parents=True, exist_ok=True)
+    _make_folder(out)
     written, failed = [], {}
     for frame in wanted:
         try:
@@ -152,6 +170,12 @@ def _summarize(
         except (ValueError, OSError) as error:
             failed[name] = describe(error)
     return failed
+
+
+def _make_folder(out: Path) -> None:
+    if out.exists() and not out.is_dir():
+        raise ValueError(f"{out} is a file: name a folder with -o")
+    out.mkdir(parents=True, exist_ok=True)
 
 
 def _export_frame(run: Run, frame: int, path: Path) -> Path:

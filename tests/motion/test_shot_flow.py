@@ -48,13 +48,6 @@ def test_colours_do_not_flicker(shot, tmp_path):
     np.testing.assert_allclose(first, second, atol=0.05)
 
 
-def test_one_frame_has_no_flow(shot, tmp_path):
-    """The way out is told."""
-    one = open_shot([f"0={tmp_path / 'front'}"], InputOptions(frames="12"))
-    with pytest.raises(ValueError, match="--frames"):
-        list(write_shot_flow(one, tmp_path, method="ilk", device=pick_device("cpu")))
-
-
 def test_black_pictures_are_still(tmp_path):
     """A frame before the fire begins has a flow of zero speed."""
     for frame in (1, 2, 3):

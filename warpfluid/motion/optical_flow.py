@@ -21,7 +21,7 @@ HALVING = 1.0  # the same before the size is halved
 SMALLEST = 16  # pixels of the shorter side; there motion of a quarter of the picture is small
 COMPARISONS = 5  # of the pictures at each scale
 ITERATIONS = 12  # after each of them
-WEIGHT = 150.0  # of the pictures' likeness against smoothness
+WEIGHT = 30.0  # of the pictures' likeness against smoothness
 
 
 def optical_flow(

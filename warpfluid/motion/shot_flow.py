@@ -42,7 +42,7 @@ def write_shot_flow(shot: Shot, folder: str | Path, *, method: str, device: wp.D
     """Measure and write the flow of every view between successive frames, pair after pair.
 
     Args:
-        shot: Footage of one or more views, two frames or more.
+        shot: Footage of one or more views; nothing is written of a single frame.
         folder: Where to write, see ``write_flow``; it must exist.
         method: Optical flow, see ``optical_flow``.
         device: Where to compute.
@@ -52,13 +52,10 @@ def write_shot_flow(shot: Shot, folder: str | Path, *, method: str, device: wp.D
 
     Raises:
         OSError: If a file cannot be written.
-        ValueError: If there is only one frame.
     """
     pairs = list(pairwise(shot.frames))
-    if not pairs:
-        raise ValueError("a flow leads from one frame to the next, and there is only one: use more with --frames")
     sample = [flow for pair in spread(pairs, SAMPLED_PAIRS) for flow, _ in _measure(shot, pair, method, device)]
-    full = saturated_speed(np.stack(sample, axis=1))
+    full = saturated_speed(np.stack(sample, axis=1)) if sample else 1.0
     for frame, later in pairs:
         measured = _measure(shot, (frame, later), method, device)
         for angle_deg, (flow, lit) in zip(shot.angles_deg, measured, strict=True):
