@@ -329,8 +329,10 @@ def test_flow(tmp_path, capsys):
     ]
     stems = [f"flow.{angle}.000{frame}" for angle in (0, 90) for frame in (1, 2)]
     assert {path.name for path in out.iterdir()} == {f"{stem}.{kind}" for stem in stems for kind in ("exr", "png")}
-    again = ["--json", "--frames", "2-3", "--flow", "tvl1", "-o", tmp_path / "again"]
-    assert run("flow", *flags, *again) == 0
+    config = tmp_path / "mine.toml"
+    views = [f"{angle}={tmp_path / name}" for angle, name in ((0, "front"), (90, "side"))]
+    config.write_text(f"views = {json.dumps(views)}\n[reconstruct]\nflow = 'tvl1'\n")
+    assert run("flow", "--config", config, "--json", "--frames", "2-3", "-o", tmp_path / "again") == 0
     data = json.loads(capsys.readouterr().out)
     assert [(found["frame"], found["angle_deg"]) for found in data["pairs"]] == [(2, 0), (2, 90)]
     assert all(found["median"] <= found["fast"] for found in data["pairs"])

@@ -28,6 +28,11 @@ image[0, 1:6, 2:9], image[1, 5:16, 2:9] = 100, 200
 for views in (Views(image, (0, 90)), Views(image[:1], (30,)), Views(image[1:], (300,))):
     for options in (ReconstructOptions, ReconstructOptions.paper):
         reconstruct(views, options(iterations=2, angles=8), device=device)
+
+from warpfluid.motion.optical_flow import optical_flow
+for size in [(8, 8), (9, 70), (40, 33), (1, 50)]:
+    now, later = rng.random((2, *size), np.float32)
+    optical_flow(now, later, method="nltv-ncc", white=1.0, device=device)
 print("done")
 """
 
