@@ -331,8 +331,8 @@ def test_flow(tmp_path, capsys):
     assert {path.name for path in out.iterdir()} == {f"{stem}.{kind}" for stem in stems for kind in ("exr", "png")}
     config = tmp_path / "mine.toml"
     views = [f"{angle}={tmp_path / name}" for angle, name in ((0, "front"), (90, "side"))]
-    config.write_text(f"views = {json.dumps(views)}\n[reconstruct]\nflow = 'tvl1'\n")
-    assert run("flow", "--config", config, "--json", "--frames", "2-3", "-o", tmp_path / "again") == 0
+    config.write_text(f"views = {json.dumps(views)}\n[input]\nframes = '2-3'\n")
+    assert run("flow", "--config", config, "--json", "--flow", "tvl1", "-o", tmp_path / "again") == 0
     data = json.loads(capsys.readouterr().out)
     assert [(found["frame"], found["angle_deg"]) for found in data["pairs"]] == [(2, 0), (2, 90)]
     assert all(found["median"] <= found["fast"] for found in data["pairs"])

@@ -143,9 +143,9 @@ def flow(
     side: SideFlag = None,
     out: Annotated[Path, Parameter(name=["--out", "-o"], help="Folder to write to")],
     flow: Annotated[
-        Literal["nltv-ncc", "ilk", "tvl1"] | None,
-        Parameter(help="Optical flow, as for reconstruct", show_default=False),
-    ] = None,
+        Literal["nltv-ncc", "ilk", "tvl1"],
+        Parameter(help="Optical flow: non-local TV with cross-correlation, iterative Lucas-Kanade, or TV-L1"),
+    ] = "nltv-ncc",
     config: ConfigFlag = None,
     footage: InputFlags = NO_INPUT,
     common: Common = COMMON,

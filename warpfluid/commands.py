@@ -54,7 +54,7 @@ def inspect(settings: Settings, picture: Path | None, common) -> int:
     return 0
 
 
-def flow(settings: Settings, out: Path, method: str | None, common) -> int:
+def flow(settings: Settings, out: Path, method: str, common) -> int:
     """Write the flow of every view between the frames of a shot; return the exit code."""
     from warpfluid.device import pick_device
     from warpfluid.motion.shot_flow import write_shot_flow
@@ -65,7 +65,7 @@ def flow(settings: Settings, out: Path, method: str | None, common) -> int:
         raise ValueError("a flow leads from one frame to the next, and there is only one: use more with --frames")
     _make_folder(out)
     pairs = []
-    for pair in write_shot_flow(shot, out, method=method or settings.reconstruct.flow, device=device):
+    for pair in write_shot_flow(shot, out, method=method, device=device):
         pairs.append(pair.to_dict())
         if not common.json:
             print(pair.line(), flush=True)
