@@ -21,6 +21,7 @@ from warpfluid.kernels import (
     flow_lift,
     forces,
     lattice,
+    multigrid,
     optical_flow,
     pair_prices,
     pictures,
@@ -63,6 +64,10 @@ def runs(device):
 
 def spans(device):
     return projection.ray_spans(fan(device), runs(device), HEIGHTS, width=N)
+
+
+def table(device):
+    return wp.zeros((N, 4), dtype=int, device=device)
 
 
 volume = floats(N, N, HEIGHTS)
@@ -137,6 +142,23 @@ LAUNCHERS = {
     filling.widen: ({"lack": volume, "total": volume, "seen": volume}, {}),
     filling.fill: ({"volume": volume, "lack": volume, "source": volume}, {"gain": 2.0}),
     flow_lift.lift: ({"flow_u": images, "flow_v": images, "directions": fan}, {"shape": (N, N, HEIGHTS)}),
+    multigrid.face_coefficient: (
+        {"open": floats(N, N + 1, HEIGHTS), "mass": volume, "out": floats(N, N + 1, HEIGHTS)},
+        {"axis": 1, "sides": placed["sides"]},
+    ),
+    multigrid.coarsen_coefficient: (
+        {"fine": floats(N, N + 1, HEIGHTS), "out": floats(N // 2, N // 2 + 1, HEIGHTS // 2)},
+        {"axis": 1, "sides": placed["sides"]},
+    ),
+    multigrid.apply: (
+        dict.fromkeys(("field", "right", "scale", "out"), volume)
+        | {name: on_faces[f"velocity_{name[2:]}"] for name in ("c_x", "c_z", "c_y")},
+        {"sides": placed["sides"]},
+    ),
+    multigrid.combine: (
+        {"field": volume, "source": table, "weight": floats(N, 4), "scale": volume, "out": volume},
+        {"axis": 1},
+    ),
     pressure.add_flux: (
         {name: floats(N, N + 1, HEIGHTS) for name in ("velocity", "open", "solid")} | {"out": volume},
         {"axis": 1},
@@ -194,6 +216,7 @@ LAUNCHERS = {
         {"fine_weight": 0.6, "coarse_weight": 0.3},
     ),
     vectors.clip: ({"field": volume}, {}),
+    vectors.inverse_root: ({"a": volume, "out": volume}, {}),
     vectors.largest: ({"a": volume}, {}),
     vectors.ratio: (
         {"target": images, "rendered": images, "out": images},
@@ -234,6 +257,12 @@ OPTIONAL = {
     (forces.add_wind, "mask"),
     (diffusion.spread, "scratch"),
     (diffusion.spread, "out"),
+    (multigrid.apply, "right"),
+    (multigrid.apply, "scale"),
+    (multigrid.combine, "scale"),
+    (multigrid.face_coefficient, "mass"),
+    (multigrid.face_coefficient, "open"),
+    (pressure.subtract_gradient, "open"),
     (spline.carry_spline, "out"),
     (swirl.add_swirl, "mask"),
     (tracing.trace, "out"),
@@ -250,6 +279,7 @@ MAY_BE_SHORT = {
     (lattice.interpolate, "tile"),
     (lattice.interpolate, "out"),
     (decay.radiate, "temperature"),
+    (multigrid.coarsen_coefficient, "fine"),  # an odd number of voxels
     (pressure.hold_walls, "velocity"),
     (totals.scale, "field"),
     (totals.total, "field"),
@@ -353,6 +383,7 @@ def test_refuses_arrays_on_different_devices(launcher, device):
         flow_lift,
         forces,
         lattice,
+        multigrid,
         optical_flow,
         pair_prices,
         pictures,

@@ -122,3 +122,9 @@ def test_largest(shape, device):
         assert vectors.largest(wp.array(values, device=device)) == found
     values.flat[values.size // 2] = np.nan
     assert np.isnan(vectors.largest(wp.array(values, device=device)))
+
+
+def test_inverse_root(device):
+    """And 0 where there is nothing to take it of."""
+    found = vectors.inverse_root(wp.array(np.float32([4, 0, -1, 0.25]), device=device), out=wp.zeros(4, device=device))
+    np.testing.assert_allclose(found.numpy(), [0.5, 0, 0, 2])

@@ -8,7 +8,7 @@ Gibou 2009): its flux is open u + (1 - open) u_solid.
 import warp as wp
 
 from warpfluid.kernels import checks
-from warpfluid.kernels.launch import RUN_OF_HEIGHTS, launch
+from warpfluid.kernels.launch import RUN_OF_HEIGHTS, elementwise, launch
 from warpfluid.kernels.sides import CLOSED, SIX, WRAP
 
 wp.set_module_options({"enable_backward": False})
@@ -61,8 +61,11 @@ GRADIENT = (
         for (int l = 0; l < count; ++l) u[l] -= step[l];
         return;
     }
-    const float *weight = coefficient.data + face, *share = open.data + face;
-    for (int l = 0; l < count; ++l) u[l] -= weight[l] > 0.0f ? step[l] * weight[l] / share[l] : 0.0f;
+    const float *weight = coefficient.data + face, *share = open.data ? open.data + face : 0;
+    if (share)
+        for (int l = 0; l < count; ++l) u[l] -= weight[l] > 0.0f ? step[l] * weight[l] / share[l] : 0.0f;
+    else
+        for (int l = 0; l < count; ++l) u[l] -= step[l] * weight[l];
 """
 )
 
@@ -135,6 +138,14 @@ def subtract_gradient_kernel(
 
 
 @wp.kernel
+def clear_solid_kernel(fluid: wp.array[float], out: wp.array[float]):
+    """Clear voxels without fluid."""
+    i = wp.tid()
+    if fluid[i] <= 0.0:
+        out[i] = 0.0
+
+
+@wp.kernel
 def hold_walls_kernel(low: int, high: int, out: wp.array3d[float]):
     """Stop what goes through the walls at both ends of the first axis; join what wraps."""
     j, k = wp.tid()
@@ -203,24 +214,41 @@ def subtract_gradient(
         sides: What the sides of the box are.
         coefficient: Of the Poisson equation at each face, sides included (``multigrid.face_coefficient``); without,
             the fluid is one and fills the box.
-        open: Share of each face that is fluid, together with ``coefficient``.
+        open: Share of each face that is fluid, which the coefficient holds as a factor; 1 when omitted.
         velocity: Component along the axis on its faces, changed [voxel/s].
 
     Returns:
         ``velocity``.
 
     Raises:
-        ValueError: If shapes, types or devices do not fit or only one of ``coefficient`` and ``open`` is given.
+        ValueError: If shapes, types or devices do not fit or shares come without a coefficient.
     """
-    if (coefficient is None) != (open is None):
-        raise ValueError("coefficient and open go together: pass both or neither")
-    extra = {} if open is None else {"coefficient": coefficient, "open": open}
+    if coefficient is None and open is not None:
+        raise ValueError("open needs coefficient: pass both")
+    given = {"coefficient": coefficient, "open": open}
+    extra = {name: array for name, array in given.items() if array is not None}
     device = checks.same_device(pressure=pressure, velocity=velocity, **extra)
     checks.floats(3, pressure=pressure, velocity=velocity, **extra)
     checks.shape(_face_shape(pressure.shape, axis), velocity=velocity, **extra)
     inputs = [pressure, coefficient, open, axis, sides]
     launch(subtract_gradient_kernel, velocity.shape, inputs, [velocity], device)
     return velocity
+
+
+def clear_solid(fluid: wp.array3d[float], *, out: wp.array3d[float]) -> wp.array3d[float]:
+    """Write 0 where there is no fluid.
+
+    Args:
+        fluid: Above 0 where there is, shape (x, z, y).
+        out: Same shape, changed.
+
+    Returns:
+        ``out``.
+
+    Raises:
+        ValueError: If shapes, types or devices do not fit.
+    """
+    return elementwise(clear_solid_kernel, [fluid], out)
 
 
 def hold_walls(velocity: wp.array3d[float], *, axis: int, sides: SIX) -> wp.array3d[float]:

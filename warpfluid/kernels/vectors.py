@@ -152,6 +152,16 @@ def divide_kernel(a: wp.array[float], b: wp.array[float], floor: float, out: wp.
 
 
 @wp.kernel
+def inverse_root_kernel(a: wp.array[float], out: wp.array[float]):
+    """Take 1 over the square root, 0 where there is nothing."""
+    i = wp.tid()
+    value = float(0.0)
+    if a[i] > 0.0:
+        value = 1.0 / wp.sqrt(a[i])
+    out[i] = value
+
+
+@wp.kernel
 def fade_kernel(share: wp.array[float], cover: wp.array[float], limit: float, out: wp.array[float]):
     """Scale by 1 - share / limit, the share taken over the covered part of its neighbourhood."""
     i = wp.tid()
@@ -245,6 +255,11 @@ def apply_mean(field: wp.array, total: wp.array, seen: wp.array) -> wp.array:
 def divide(a: wp.array, b: wp.array, *, floor: float, out: wp.array) -> wp.array:
     """Write a / (b + floor); ``out`` may be ``a``."""
     return elementwise(divide_kernel, [a, b, floor], out)
+
+
+def inverse_root(a: wp.array, *, out: wp.array) -> wp.array:
+    """Write 1 / sqrt(a), 0 where a is not above 0; ``out`` may be ``a``."""
+    return elementwise(inverse_root_kernel, [a], out)
 
 
 def fade(field: wp.array, share: wp.array, cover: wp.array, *, limit: float) -> wp.array:

@@ -7,8 +7,8 @@ import warp as wp
 
 from warpfluid.kernels import checks, shares, vectors
 from warpfluid.kernels import pressure as kernels
-from warpfluid.kernels.sides import OPEN, SIX
-from warpfluid.simulation import spectral
+from warpfluid.kernels.sides import SIX
+from warpfluid.simulation.poisson import EmptyBox, FilledBox
 from warpfluid.simulation.state import Faces, Solids, face_shape
 
 METHODS = ("auto", "direct", "multigrid")
@@ -72,22 +72,23 @@ def make_incompressible(
     shape = _check(velocity, expansion, solids, mass, pressure)
     method = _pick(method, velocity.x.device, solids, mass)
     hold(velocity, sides, solids)
-    solve, subtract = _direct(shape, sides)
-    excess = wp.empty(shape, dtype=float, device=velocity.x.device)
-    left = before = _measure(velocity, sides, expansion, solids, excess)
+    device = velocity.x.device
+    box = EmptyBox(shape, sides) if method == "direct" else FilledBox(shape, sides, solids, mass, device)
+    excess = wp.empty(shape, dtype=float, device=device)
+    left = before = _measure(velocity, expansion, solids, box, excess)
     if pressure is not None:
-        subtract(pressure, velocity)
-        left = _measure(velocity, sides, expansion, solids, excess)
+        box.subtract_gradient(pressure, velocity)
+        left = _measure(velocity, expansion, solids, box, excess)
     iterations = 0
     for _ in range(PASSES):
         if left <= tolerance * before:
             break
-        correction, count = solve(excess, 0.5 * tolerance * before)
-        subtract(correction, velocity)
+        correction, count = box.solve(excess, 0.5 * tolerance * before)
+        box.subtract_gradient(correction, velocity)
         if pressure is not None:
             vectors.add_scaled(pressure, 1.0, correction, out=pressure)
         iterations += count
-        last, left = left, _measure(velocity, sides, expansion, solids, excess)
+        last, left = left, _measure(velocity, expansion, solids, box, excess)
         if left > 0.5 * last:
             break
     hold(velocity, sides, solids)
@@ -119,6 +120,8 @@ def _check(velocity, expansion, solids, mass, pressure) -> tuple[int, int, int]:
             face_shape(shape, axis), **{f"{name}.{'xzy'[axis]}": field[axis] for name, field in fields.items()}
         )
     checks.shape(shape, **voxels)
+    if mass is not None and not mass.numpy().min() > 0.0:
+        raise ValueError("mass holds values that are not above 0: even air has some, such as 1 against 20")
     return shape
 
 
@@ -134,33 +137,18 @@ def _pick(method: str, device: wp.Device, solids: Solids | None, mass: wp.array 
     return method
 
 
-def _measure(velocity: Faces, sides: SIX, expansion, solids: Solids | None, excess: wp.array) -> float:
-    """Write the divergence less the expansion; return its largest magnitude."""
+def _measure(velocity: Faces, expansion: wp.array | None, solids: Solids | None, box, excess: wp.array) -> float:
+    """Write the divergence less what is wanted and can be had; return its largest magnitude."""
     excess.zero_()
     for axis, faces in enumerate(velocity):
         around = {} if solids is None else {"open": solids.open[axis], "solid": solids.velocity[axis]}
         kernels.add_flux(faces, axis=axis, out=excess, **around)
+    if expansion is not None and solids is not None:
+        expansion = vectors.multiply(expansion, solids.fluid, out=wp.empty_like(expansion))
     if expansion is not None:
         vectors.add_scaled(excess, -1.0, expansion, out=excess)
-    if OPEN not in list(sides):
-        values = excess.numpy()
-        excess.assign(values - values.mean(dtype=np.float64).astype(np.float32))
+    box.drop_impossible(excess)
     found = vectors.largest(excess)
     if not np.isfinite(found):
         raise FloatingPointError("the divergence is not finite: velocity or expansion hold infinities or NaN")
     return found
-
-
-def _direct(shape, sides: SIX):
-    """Return a function that solves for a pressure and one that takes its gradient from a velocity."""
-    scratch = np.empty(shape, np.float32)
-
-    def solve(excess: wp.array, target: float) -> tuple[wp.array, int]:
-        pressure = spectral.solve(excess.numpy(), sides, scratch)
-        return wp.array(pressure, dtype=float, device=excess.device), 1
-
-    def subtract(pressure: wp.array, velocity: Faces) -> None:
-        for axis, faces in enumerate(velocity):
-            kernels.subtract_gradient(pressure, axis=axis, sides=sides, velocity=faces)
-
-    return solve, subtract

@@ -39,9 +39,11 @@ class Faces(NamedTuple):
         return cls(*(wp.zeros(face_shape(shape, axis), dtype=float, device=device) for axis in range(3)))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Solids:
     """What stands in the fluid, as shares of faces and voxels (Batty, Bertails and Bridson 2007).
+
+    Never changed once made, arrays included, so that what is worked out of it can be kept: what moves is made anew.
 
     Attributes:
         open: Share of each face that is fluid, 0 to 1.
