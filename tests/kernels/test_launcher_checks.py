@@ -10,6 +10,7 @@ from warpfluid.device import pick_device
 from warpfluid.kernels import (
     advection,
     blur,
+    coefficients,
     combustion,
     correction,
     correlation,
@@ -39,6 +40,7 @@ from warpfluid.kernels import (
     turbulence,
     vectors,
     visual_hull,
+    walls,
 )
 from warpfluid.kernels.sides import CLOSED, OPEN, SIX
 from warpfluid.projector import directions
@@ -142,11 +144,11 @@ LAUNCHERS = {
     filling.widen: ({"lack": volume, "total": volume, "seen": volume}, {}),
     filling.fill: ({"volume": volume, "lack": volume, "source": volume}, {"gain": 2.0}),
     flow_lift.lift: ({"flow_u": images, "flow_v": images, "directions": fan}, {"shape": (N, N, HEIGHTS)}),
-    multigrid.face_coefficient: (
+    coefficients.face_coefficient: (
         {"open": floats(N, N + 1, HEIGHTS), "mass": volume, "out": floats(N, N + 1, HEIGHTS)},
         {"axis": 1, "sides": placed["sides"]},
     ),
-    multigrid.coarsen_coefficient: (
+    coefficients.coarsen_coefficient: (
         {"fine": floats(N, N + 1, HEIGHTS), "out": floats(N // 2, N // 2 + 1, HEIGHTS // 2)},
         {"axis": 1, "sides": placed["sides"]},
     ),
@@ -167,8 +169,8 @@ LAUNCHERS = {
         {name: floats(N, N + 1, HEIGHTS) for name in ("coefficient", "open", "velocity")} | {"pressure": volume},
         {"axis": 1, "sides": placed["sides"]},
     ),
-    pressure.clear_solid: ({"fluid": volume, "out": volume}, {}),
-    pressure.hold_walls: ({"velocity": volume}, {"axis": 1, "sides": placed["sides"]}),
+    walls.clear_solid: ({"fluid": volume, "out": volume}, {}),
+    walls.hold_walls: ({"velocity": volume}, {"axis": 1, "sides": placed["sides"]}),
     diffusion.spread: ({"field": volume, "scratch": volume, "out": volume}, placed | {"variance": 0.5}),
     totals.scale: ({"field": volume}, {"factor": 2.0}),
     totals.total: ({"field": volume}, {}),
@@ -260,8 +262,8 @@ OPTIONAL = {
     (multigrid.apply, "right"),
     (multigrid.apply, "scale"),
     (multigrid.combine, "scale"),
-    (multigrid.face_coefficient, "mass"),
-    (multigrid.face_coefficient, "open"),
+    (coefficients.face_coefficient, "mass"),
+    (coefficients.face_coefficient, "open"),
     (pressure.subtract_gradient, "open"),
     (spline.carry_spline, "out"),
     (swirl.add_swirl, "mask"),
@@ -279,8 +281,8 @@ MAY_BE_SHORT = {
     (lattice.interpolate, "tile"),
     (lattice.interpolate, "out"),
     (decay.radiate, "temperature"),
-    (multigrid.coarsen_coefficient, "fine"),  # an odd number of voxels
-    (pressure.hold_walls, "velocity"),
+    (coefficients.coarsen_coefficient, "fine"),  # an odd number of voxels
+    (walls.hold_walls, "velocity"),
     (totals.scale, "field"),
     (totals.total, "field"),
     (vectors.clip, "field"),
@@ -372,6 +374,7 @@ def test_refuses_arrays_on_different_devices(launcher, device):
     [
         advection,
         blur,
+        coefficients,
         combustion,
         correction,
         correlation,
@@ -401,6 +404,7 @@ def test_refuses_arrays_on_different_devices(launcher, device):
         turbulence,
         vectors,
         visual_hull,
+        walls,
     ],
 )
 def test_no_launcher_is_left_out(module):

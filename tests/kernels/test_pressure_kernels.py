@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import warp as wp
 
-from warpfluid.kernels import multigrid, pressure
+from warpfluid.kernels import coefficients, multigrid, pressure
 from warpfluid.kernels.sides import CLOSED, OPEN, SIX, WRAP
 from warpfluid.simulation.state import face_shape
 
@@ -68,7 +68,7 @@ def test_gradient(shape, axis, sides, device):
     np.testing.assert_allclose(found.numpy(), expected, atol=1e-6)
     for share in (None, guarded(open)):
         coefficient = guarded(np.zeros(u.shape))
-        multigrid.face_coefficient(axis=axis, sides=sides, open=share, mass=guarded(np.ones(shape)), out=coefficient)
+        coefficients.face_coefficient(axis=axis, sides=sides, open=share, mass=guarded(np.ones(shape)), out=coefficient)
         arguments = {"coefficient": coefficient, "open": share, "velocity": guarded(u)}
         found = pressure.subtract_gradient(guarded(p), axis=axis, sides=sides, **arguments)
         np.testing.assert_allclose(found.numpy(), expected, atol=1e-6)
@@ -81,17 +81,17 @@ def test_the_stencil_stays_within_its_arrays(shape, sides, device):
     """And its three uses fit together: b - A p, and a Jacobi step of that over the sum of the coefficients."""
     rng, guarded = np.random.default_rng(0), Guarded(device)
     p, b, scale = (guarded(rng.random(shape)) for _ in range(3))
-    coefficients = [guarded(np.zeros(face_shape(shape, axis))) for axis in range(3)]
-    for axis, out in enumerate(coefficients):
-        multigrid.face_coefficient(axis=axis, sides=sides, out=out)
+    faces = [guarded(np.zeros(face_shape(shape, axis))) for axis in range(3)]
+    for axis, out in enumerate(faces):
+        coefficients.face_coefficient(axis=axis, sides=sides, out=out)
     image, left, scaled, stepped = (guarded(np.zeros(shape)) for _ in range(4))
-    multigrid.apply(p, *coefficients, sides=sides, out=image)
-    multigrid.apply(p, *coefficients, sides=sides, right=b, out=left)
-    multigrid.apply(p, *coefficients, sides=sides, right=b, scale=scale, out=scaled)
-    multigrid.apply(p, *coefficients, sides=sides, right=b, step=0.5, out=stepped)
+    multigrid.apply(p, *faces, sides=sides, out=image)
+    multigrid.apply(p, *faces, sides=sides, right=b, out=left)
+    multigrid.apply(p, *faces, sides=sides, right=b, scale=scale, out=scaled)
+    multigrid.apply(p, *faces, sides=sides, right=b, step=0.5, out=stepped)
     total = sum(
         np.take(c.numpy(), range(n), axis) + np.take(c.numpy(), range(1, n + 1), axis)
-        for axis, (c, n) in enumerate(zip(coefficients, shape, strict=True))
+        for axis, (c, n) in enumerate(zip(faces, shape, strict=True))
     )
     np.testing.assert_allclose(left.numpy(), b.numpy() - image.numpy(), atol=1e-5)
     np.testing.assert_allclose(scaled.numpy(), scale.numpy() * left.numpy(), atol=1e-5)

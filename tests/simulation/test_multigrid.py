@@ -7,8 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import sparse
 
-from warpfluid.kernels import multigrid as kernels
-from warpfluid.kernels import vectors
+from warpfluid.kernels import coefficients, vectors
 from warpfluid.kernels.sides import CLOSED, OPEN, WRAP
 from warpfluid.simulation.multigrid import Multigrid, transfer
 from warpfluid.simulation.state import KINDS, Faces, face_shape, six_sides
@@ -139,5 +138,5 @@ def test_a_coarse_face_counts_what_it_covers():
     """Four faces twice as far apart; the last voxel of an odd size is half as long."""
     sides = six_sides("open", "closed", "open")
     fine = Multigrid((5, 4, 4), sides, device="cpu").levels[0].coefficient.x
-    out = kernels.coarsen_coefficient(fine, axis=0, sides=sides, out=wp.empty((4, 2, 2), dtype=float))
+    out = coefficients.coarsen_coefficient(fine, axis=0, sides=sides, out=wp.empty((4, 2, 2), dtype=float))
     np.testing.assert_allclose(out.numpy()[:, 0, 0], [4, 2, 4 / 1.5, 8])

@@ -1,4 +1,4 @@
-"""What the pressure step does on faces: divergence, pressure gradient, and what the sides of the box impose.
+"""What the pressure step does on faces: divergence and pressure gradient.
 
 Velocity lives on the faces of a grid of (nx, nz, ny) voxels, pressure in their centres (Harlow and Welch 1965).
 A face that a solid covers in part counts by the share that is open (Batty, Bertails and Bridson 2007; Ng, Min and
@@ -8,8 +8,8 @@ Gibou 2009): its flux is open u + (1 - open) u_solid.
 import warp as wp
 
 from warpfluid.kernels import checks
-from warpfluid.kernels.launch import RUN_OF_HEIGHTS, elementwise, launch
-from warpfluid.kernels.sides import CLOSED, SIX, WRAP
+from warpfluid.kernels.launch import RUN_OF_HEIGHTS, launch
+from warpfluid.kernels.sides import SIX
 
 wp.set_module_options({"enable_backward": False})
 
@@ -137,29 +137,6 @@ def subtract_gradient_kernel(
     subtract_gradient_run(pressure, coefficient, open, axis, low, high, x, z, block, velocity)
 
 
-@wp.kernel
-def clear_solid_kernel(fluid: wp.array[float], out: wp.array[float]):
-    """Clear voxels without fluid."""
-    i = wp.tid()
-    if fluid[i] <= 0.0:
-        out[i] = 0.0
-
-
-@wp.kernel
-def hold_walls_kernel(low: int, high: int, out: wp.array3d[float]):
-    """Stop what goes through the walls at both ends of the first axis; join what wraps."""
-    j, k = wp.tid()
-    last = out.shape[0] - 1
-    if low == WRAP:
-        mean = 0.5 * (out[0, j, k] + out[last, j, k])
-        out[0, j, k] = mean
-        out[last, j, k] = mean
-    if low == CLOSED:
-        out[0, j, k] = 0.0
-    if high == CLOSED:
-        out[last, j, k] = 0.0
-
-
 def _face_shape(shape: tuple[int, ...], axis: int) -> tuple[int, ...]:
     return tuple(n + (k == axis) for k, n in enumerate(shape))
 
@@ -212,7 +189,7 @@ def subtract_gradient(
         pressure: Times time over mass density, shape (x, z, y) [voxel^2/s].
         axis: 0 is x, 1 is z, 2 is y.
         sides: What the sides of the box are.
-        coefficient: Of the Poisson equation at each face, sides included (``multigrid.face_coefficient``); without,
+        coefficient: Of the Poisson equation at each face, sides included (``coefficients.face_coefficient``); without,
             the fluid is one and fills the box.
         open: Share of each face that is fluid, which the coefficient holds as a factor; 1 when omitted.
         velocity: Component along the axis on its faces, changed [voxel/s].
@@ -232,42 +209,4 @@ def subtract_gradient(
     checks.shape(_face_shape(pressure.shape, axis), velocity=velocity, **extra)
     inputs = [pressure, coefficient, open, axis, sides]
     launch(subtract_gradient_kernel, velocity.shape, inputs, [velocity], device)
-    return velocity
-
-
-def clear_solid(fluid: wp.array3d[float], *, out: wp.array3d[float]) -> wp.array3d[float]:
-    """Write 0 where there is no fluid.
-
-    Args:
-        fluid: Above 0 where there is, shape (x, z, y).
-        out: Same shape, changed.
-
-    Returns:
-        ``out``.
-
-    Raises:
-        ValueError: If shapes, types or devices do not fit.
-    """
-    return elementwise(clear_solid_kernel, [fluid], out)
-
-
-def hold_walls(velocity: wp.array3d[float], *, axis: int, sides: SIX) -> wp.array3d[float]:
-    """Stop what goes through closed sides and join the two faces of a wrapped side, in place.
-
-    Args:
-        velocity: Component along the axis on its faces [voxel/s].
-        axis: 0 is x, 1 is z, 2 is y.
-        sides: What the sides of the box are.
-
-    Returns:
-        ``velocity``.
-
-    Raises:
-        ValueError: If the type does not fit.
-    """
-    device = checks.same_device(velocity=velocity)
-    checks.floats(3, velocity=velocity)
-    ends = velocity.transpose((axis, *(other for other in range(3) if other != axis)))
-    low, high = sides[2 * axis], sides[2 * axis + 1]
-    wp.launch(hold_walls_kernel, dim=ends.shape[1:], inputs=[low, high], outputs=[ends], device=device)
     return velocity

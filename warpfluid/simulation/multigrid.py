@@ -10,8 +10,8 @@ import functools
 import numpy as np
 import warp as wp
 
+from warpfluid.kernels import coefficients, vectors
 from warpfluid.kernels import multigrid as kernels
-from warpfluid.kernels import vectors
 from warpfluid.kernels.sides import CLOSED, OPEN, SIX, WRAP
 from warpfluid.simulation.state import Faces, face_shape
 
@@ -64,7 +64,7 @@ class Level:
     """
 
     def __init__(self, coefficient: Faces, sides: SIX):
-        """Work out what is needed again and again; ``coefficient`` is that of ``kernels.face_coefficient``."""
+        """Work out what is needed again and again; ``coefficient`` is that of ``coefficients.face_coefficient``."""
         self.coefficient, self.sides = coefficient, sides
         self.shape = (coefficient.z.shape[0], coefficient.x.shape[1], coefficient.x.shape[2])
         self.device = coefficient.x.device
@@ -92,7 +92,7 @@ class Level:
         halved = tuple((n + 1) // 2 for n in self.shape)
         coefficient = Faces.zeros(halved, self.device)
         for axis, out in enumerate(coefficient):
-            kernels.coarsen_coefficient(self.coefficient[axis], axis=axis, sides=self.sides, out=out)
+            coefficients.coarsen_coefficient(self.coefficient[axis], axis=axis, sides=self.sides, out=out)
         coarser = Level(coefficient, self.sides)
         axes = [(n, int(self.sides[2 * axis]), int(self.sides[2 * axis + 1])) for axis, n in enumerate(self.shape)]
         self.transfers = [transfer(*axis, str(self.device)) for axis in axes]
@@ -143,7 +143,7 @@ class Multigrid:
         coefficient = Faces(*(wp.empty(face_shape(shape, axis), dtype=float, device=device) for axis in range(3)))
         for axis, out in enumerate(coefficient):
             share = None if open is None else open[axis]
-            kernels.face_coefficient(axis=axis, sides=sides, open=share, mass=mass, out=out)
+            coefficients.face_coefficient(axis=axis, sides=sides, open=share, mass=mass, out=out)
         self.levels = [Level(coefficient, sides)]
         while max(self.levels[-1].shape) > COARSEST:
             self.levels.append(self.levels[-1].add_coarser())

@@ -6,6 +6,7 @@ import numpy as np
 import warp as wp
 
 from warpfluid.kernels import pressure as kernels
+from warpfluid.kernels import walls
 from warpfluid.kernels.sides import OPEN, SIX
 from warpfluid.simulation import spectral
 from warpfluid.simulation.multigrid import Multigrid
@@ -59,7 +60,7 @@ class FilledBox:
     def drop_impossible(self, excess: wp.array) -> None:
         """Take away what no pressure can change: all of it inside solids, the mean where there is no way out."""
         if self.regions is not None:
-            kernels.clear_solid(self.multigrid.levels[0].first_step, out=excess)
+            walls.clear_solid(self.multigrid.levels[0].first_step, out=excess)
             self.regions.remove_means(excess)
         elif OPEN not in list(self.sides):
             remove_mean(excess)

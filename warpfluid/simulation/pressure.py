@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import warp as wp
 
-from warpfluid.kernels import checks, shares, vectors
+from warpfluid.kernels import checks, shares, vectors, walls
 from warpfluid.kernels import pressure as kernels
 from warpfluid.kernels.sides import SIX
 from warpfluid.simulation.poisson import EmptyBox, FilledBox
@@ -100,7 +100,7 @@ def hold(velocity: Faces, sides: SIX, solids: Solids | None = None) -> None:
     for axis, faces in enumerate(velocity):
         if solids is not None:
             shares.hold(faces, solids.open[axis], solids.velocity[axis])
-        kernels.hold_walls(faces, axis=axis, sides=sides)
+        walls.hold_walls(faces, axis=axis, sides=sides)
 
 
 def _check(velocity, expansion, solids, mass, pressure) -> tuple[int, int, int]:
