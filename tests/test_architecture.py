@@ -13,9 +13,9 @@ import warpfluid
 # From the bottom to the top. A module imports from its own layer and from those below it.
 LAYERS = [
     {"files", "options", "kernels", "device", "errors"},
-    {"views", "footage", "metrics", "projector", "settings", "run", "motion"},
+    {"presets", "views", "footage", "metrics", "projector", "balance", "settings", "run", "motion"},
     {"reconstruction", "rendering", "simulation"},
-    {"report", "commands", "progress", "doctor"},
+    {"report", "commands", "simulating", "progress", "doctor"},
     {"cli"},
 ]
 

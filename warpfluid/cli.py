@@ -15,7 +15,7 @@ from cyclopts import App, Group, Parameter
 
 from warpfluid import __version__
 from warpfluid.errors import describe
-from warpfluid.options import InputOptions, OutputOptions, ReconstructOptions
+from warpfluid.options import InputOptions, OutputOptions, ReconstructOptions, SimulateOptions
 
 app = App(
     name="warpfluid",
@@ -49,8 +49,11 @@ def _flags(options: type, title: str, order: int) -> type:
 
 InputFlags = _flags(InputOptions, "Footage", 1)
 MethodFlags = _flags(ReconstructOptions, "Method", 2)
+SimulateFlags = _flags(SimulateOptions, "Simulation", 2)
 OutputFlags = _flags(OutputOptions, "Output", 3)
-NO_INPUT, NO_METHOD, NO_OUTPUT = (get_args(flags)[0]() for flags in (InputFlags, MethodFlags, OutputFlags))
+NO_INPUT, NO_METHOD, NO_SIMULATION, NO_OUTPUT = (
+    get_args(flags)[0]() for flags in (InputFlags, MethodFlags, SimulateFlags, OutputFlags)
+)
 
 FrontFlag = Annotated[str | None, Parameter(help="Footage of the front: the same as --view 0=FOOTAGE")]
 SideFlag = Annotated[
@@ -156,6 +159,52 @@ def flow(
     views = [*(view or []), *_named_views(front, side)]
     settings = commands.make_settings(views, footage, None, None, config=config)
     return commands.flow(settings, out, flow, common)
+
+
+def _things(kind: str, text: str) -> type:
+    """Make the flag that puts things of a kind into the box."""
+    return Annotated[list[str] | None, Parameter(name=[f"--{kind}"], negative=(), help=text)]
+
+
+@app.command
+def simulate(
+    source: Annotated[str | None, Parameter(help="A run, or volumes: a folder, pattern or file, .vdb or .npz")] = None,
+    *,
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"], help="Folder of the new run")] = None,
+    preset: Annotated[str | None, Parameter(help="fire, smoke, explosion or splash; see presets")] = None,
+    size: Annotated[str | None, Parameter(help="Voxels of an empty box, WIDTHxHEIGHT; 96x144 by default")] = None,
+    emitter: _things("emitter", "An emitter: 'sphere center=0,1,0 radius=0.5 density=4'; once for each") = None,
+    obstacle: _things("obstacle", "An obstacle: 'box center=0,4,0 size=2,0.5,2'; once for each") = None,
+    force: _things("force", "A force: 'vortex center=0,3,0 strength=20'; once for each") = None,
+    body: _things("body", "A rigid body: 'box center=0,2,0 size=1,0.6,2'; once for each") = None,
+    paper: PaperFlag = False,
+    config: ConfigFlag = None,
+    resume: Annotated[bool, Parameter(negative=(), help="Continue a run, or make it longer")] = False,
+    overwrite: Annotated[bool, Parameter(negative=(), help="Delete an earlier run in the folder")] = False,
+    method: SimulateFlags = NO_SIMULATION,
+    output: OutputFlags = NO_OUTPUT,
+    common: Common = COMMON,
+) -> int:
+    """Make volumes flow: smooth motion that keeps the look of the footage, and that can be edited."""
+    from warpfluid import simulating
+
+    if out is None:
+        raise ValueError("no folder is given for the run: add -o FOLDER")
+    if resume and config is None and (out / "run.toml").is_file():
+        config = out / "run.toml"  # what is not said again stays as it was
+    things = {"emitter": emitter, "obstacle": obstacle, "force": force, "body": body}
+    asked = simulating.Asked(source=source, size=size, preset=preset, things=things, method=method, output=output)
+    return simulating.simulate(
+        asked, out, paper=paper, config=config, resume=resume, overwrite=overwrite, common=common
+    )
+
+
+@app.command
+def presets(*, common: Common = COMMON) -> int:
+    """List the presets of simulate, and what each sets."""
+    from warpfluid import simulating
+
+    return simulating.show_presets(common)
 
 
 @app.command

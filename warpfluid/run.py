@@ -8,6 +8,7 @@ turntable and a report. Every file is written under another name and renamed, so
 import json
 import os
 import platform
+from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
 
@@ -127,7 +128,15 @@ class Run:
         _write_toml(self.folder / SETTINGS, document)
         return kept
 
-    def write_frame(self, frame: int, density: np.ndarray, output: OutputOptions, record: dict) -> dict:
+    def write_frame(
+        self,
+        frame: int,
+        density: np.ndarray,
+        output: OutputOptions,
+        record: dict,
+        *,
+        more: Mapping[str, np.ndarray] | None = None,
+    ) -> dict:
         """Write a frame's volume, then its record.
 
         Args:
@@ -135,6 +144,7 @@ class Run:
             density: Volume, shape (x, z, y).
             output: How it is stored.
             record: What else to note.
+            more: Further grids by name, shape (x, z, y) or (x, z, y, 3) with vectors (x, y, z).
 
         Returns:
             The whole record.
@@ -157,7 +167,7 @@ class Run:
         size, width, depth = output.voxel_size, density.shape[0], density.shape[1]
         write_vdb(
             path,
-            {"density": kept.transpose(0, 2, 1)},
+            {"density": kept.transpose(0, 2, 1), **{name: grid.swapaxes(1, 2) for name, grid in (more or {}).items()}},
             voxel_size=size,
             origin=(-(width - 1) / 2 * size, 0.5 * size, -(depth - 1) / 2 * size),
             half=output.half,

@@ -13,9 +13,25 @@ from pathlib import Path
 from warpfluid.errors import Problems, describe
 from warpfluid.files.sequences import format_frames, parse_frames
 from warpfluid.footage.sources import parse_view
-from warpfluid.options import PAPER, InputOptions, OutputOptions, ReconstructOptions
+from warpfluid.options import (
+    PAPER,
+    SIMULATE_PAPER,
+    THINGS,
+    InputOptions,
+    OutputOptions,
+    ReconstructOptions,
+    Scene,
+    SimulateOptions,
+)
+from warpfluid.options.scene import make_thing, parse_thing
+from warpfluid.presets import preset_settings
 
-SECTIONS = {"input": InputOptions, "reconstruct": ReconstructOptions, "output": OutputOptions}
+SECTIONS = {
+    "input": InputOptions,
+    "reconstruct": ReconstructOptions,
+    "simulate": SimulateOptions,
+    "output": OutputOptions,
+}
 FREE = ("frames", "turntable", "report", "look")  # what may change when a run is continued
 
 
@@ -37,12 +53,92 @@ class Settings:
 
     def to_dict(self) -> dict:
         """Return plain tables with whole paths; options that are None are left out, as TOML has no such value."""
-        tables = {name: dataclasses.asdict(getattr(self, name)) for name in SECTIONS}
-        tables = {name: {k: v for k, v in table.items() if v is not None} for name, table in tables.items()}
+        tables = {name: _table(getattr(self, name)) for name in ("input", "reconstruct", "output")}
         background = tables["input"].get("background", "median")
         if background != "median":
             tables["input"]["background"] = _whole_path(background)
         return {"views": [_whole_view(view) for view in self.views], **tables}
+
+
+@dataclass(frozen=True, kw_only=True)
+class SimulateSettings:
+    """Everything that decides what a simulation makes.
+
+    Attributes:
+        source: A run or volumes; None for an empty box.
+        size: Width and height of an empty box [voxel].
+        simulate: The method.
+        scene: What stands in the box.
+        output: What is written.
+    """
+
+    source: str | None
+    size: tuple[int, int] | None
+    simulate: SimulateOptions
+    scene: Scene
+    output: OutputOptions
+
+    def to_dict(self) -> dict:
+        """Return plain tables with whole paths; options that are None are left out, as TOML has no such value."""
+        made = {name: _table(getattr(self, name)) for name in ("simulate", "output")}
+        made |= {kind: [_table(thing) for thing in getattr(self.scene, kind)] for kind in THINGS}
+        for thing in (thing for kind in THINGS for thing in made[kind] if "mesh" in thing):
+            thing["mesh"] = _whole_path(thing["mesh"])
+        place = {"source": _whole_path(self.source)} if self.source else {"size": list(self.size or ())}
+        return {**place, **{name: table for name, table in made.items() if table}}
+
+
+def make_simulate_settings(
+    source: str | None,
+    method,
+    output,
+    things: dict[str, list[str]],
+    *,
+    size: tuple[int, int] | None = None,
+    preset: str | None = None,
+    paper: bool = False,
+    config: Path | None = None,
+    source_output: dict | None = None,
+) -> SimulateSettings:
+    """Put settings together: flags first, then the paper's choices or a preset, the file, the source, the defaults.
+
+    Args:
+        source: A run or volumes; that of the configuration when None.
+        method: Flags with the names of ``SimulateOptions``; None where not given. May be None altogether.
+        output: The same for ``OutputOptions``.
+        things: Lines of the command line by kind (``THINGS``); they are added to those of the configuration.
+        size: Width and height of an empty box.
+        preset: Name of a preset; its emitters count where there is no source.
+        paper: Make the paper's choices.
+        config: A configuration file or ``run.toml``.
+        source_output: How the files of the source are stored.
+
+    Raises:
+        ValueError: If any value or name is wrong; one line each.
+    """
+    document, problems = (read_settings(config) if config else {}), Problems()
+    source = source or document.get("source")
+    ready = preset_settings(preset) if preset else {}
+    above = {"simulate": (SIMULATE_PAPER if paper else {}) | ready.get("simulate", {})}
+    above["output"] = ready.get("output", {})
+    made = {}
+    for (name, options), flags in zip(
+        (("simulate", SimulateOptions), ("output", OutputOptions)), (method, output), strict=True
+    ):
+        given = {k: v for k, v in dataclasses.asdict(flags).items() if v is not None} if flags else {}
+        below = source_output or {} if name == "output" else {}
+        values = below | document.get(name, {}) | above[name] | given
+        made[name] = problems.attempt(lambda options=options, values=values: options(**values))
+    scene = {}
+    for kind in THINGS:
+        tables = [*document.get(kind, ()), *(() if source else ready.get(kind, ()))]
+        found = [problems.attempt(lambda t=t, kind=kind: make_thing(kind, t, where=f"[[{kind}]] ")) for t in tables]
+        found += [problems.attempt(parse_thing, kind, line) for line in things.get(kind) or ()]
+        scene[kind] = tuple(found)
+    problems.raise_if_any()
+    if source is None:
+        size = size or tuple(document.get("size", ())) or (96, 144)
+    return SimulateSettings(source=source, size=size, scene=Scene(**scene), **made)
 
 
 def make_settings(
@@ -63,7 +159,8 @@ def make_settings(
     """
     document = read_settings(config) if config else {}
     problems, made = Problems(), {}
-    for (name, options), flags in zip(SECTIONS.items(), (footage, method, output), strict=True):
+    for name, flags in (("input", footage), ("reconstruct", method), ("output", output)):
+        options = SECTIONS[name]
         given = {k: v for k, v in dataclasses.asdict(flags).items() if v is not None} if flags else {}
         values = document.get(name, {}) | (PAPER if paper and name == "reconstruct" else {}) | given
         made[name] = problems.attempt(lambda options=options, values=values: options(**values))
@@ -89,9 +186,18 @@ def read_settings(path: str | Path) -> dict:
             problems.attempt(_check_views, table, where=f"{path}: ")
         elif name in SECTIONS:
             problems.attempt(_check_section, name, table, where=f"{path}: ")
+        elif name in THINGS:
+            problems.attempt(_check_things, name, table, where=f"{path}: ")
+        elif name == "source":
+            if not isinstance(table, str):
+                problems.append(f"{path}: source is {table!r}, expected the path of a run or of volumes")
+        elif name == "size":
+            if not (isinstance(table, list) and len(table) == 2 and all(isinstance(n, int) and n > 3 for n in table)):
+                problems.append(f"{path}: size is {table!r}, expected a width and a height such as [96, 144]")
         elif name != "made-with":
             expected = ", ".join(f"[{section}]" for section in SECTIONS)
-            problems.append(f"{path}: unknown {name!r}{_like(name, SECTIONS)}; expected are views, {expected}")
+            known = {**SECTIONS, **THINGS}
+            problems.append(f"{path}: unknown {name!r}{_like(name, known)}; expected are views, source, {expected}")
     problems.raise_if_any()
     return document
 
@@ -108,17 +214,22 @@ def check_same(folder: Path, old: dict, new: dict) -> None:
         ValueError: If anything differs that the volumes depend on.
     """
     changed = []
-    if old.get("views") != new["views"]:
-        changed.append(f"views (were {' '.join(old.get('views', []))}, now {' '.join(new['views'])})")
+    if old.get("views") != new.get("views"):
+        views = [" ".join(document.get("views", [])) or "none" for document in (old, new)]
+        changed.append(f"views (were {views[0]}, now {views[1]})")
+    if old.get("source") != new.get("source") or old.get("size") != new.get("size"):
+        changed.append(f"the source (was {old.get('source') or old.get('size')})")
+    changed += [f"[[{kind}]]" for kind in THINGS if old.get(kind, []) != new.get(kind, [])]
     for name in SECTIONS:
-        before, after = old.get(name, {}), new[name]
+        before, after = old.get(name, {}), new.get(name, {})
         changed += [
             f"{key.replace('_', '-')} (was {before.get(key)}, now {after.get(key)})"
             for key in sorted({*before, *after} - {*FREE})
             if before.get(key) != after.get(key)
         ]
     before, after = (document.get("made-with", {}).get("inputs", {}) for document in (old, new))
-    changed += [f"the footage at {angle} degrees" for angle in after if before.get(angle, after[angle]) != after[angle]]
+    kind = "the volume of frame {}" if "source" in new else "the footage at {} degrees"
+    changed += [kind.format(name) for name in after if before.get(name, after[name]) != after[name]]
     if changed:
         raise ValueError(
             f"{folder} was made with something else: {', '.join(changed)}; "
@@ -128,11 +239,12 @@ def check_same(folder: Path, old: dict, new: dict) -> None:
 
 def join_frames(old: dict, new: dict) -> None:
     """Let the frames of ``new`` be those of both documents: a run may be made in parts."""
-    parts = [document["input"].get("frames") for document in (old, new)]
+    section = "input" if "input" in new else "simulate"
+    parts = [document[section].get("frames") for document in (old, new)]
     if None in parts:
-        new["input"].pop("frames", None)
+        new[section].pop("frames", None)
     else:
-        new["input"]["frames"] = format_frames(frame for part in parts for frame in parse_frames(part))
+        new[section]["frames"] = format_frames(frame for part in parts for frame in parse_frames(part))
 
 
 def _check_section(name: str, table: object) -> None:
@@ -145,6 +257,21 @@ def _check_section(name: str, table: object) -> None:
     values = {key: value for key, value in table.items() if key in known}
     problems.attempt(lambda: SECTIONS[name](**values), where=f"[{name}] ")
     problems.raise_if_any()
+
+
+def _check_things(kind: str, tables: object) -> None:
+    """Refuse what is no array of tables, or has unknown options or wrong values."""
+    if not (isinstance(tables, list) and all(isinstance(table, dict) for table in tables)):
+        raise ValueError(f"{kind} is {tables!r}, expected tables [[{kind}]]")
+    problems = Problems()
+    for table in tables:
+        problems.attempt(lambda table=table: make_thing(kind, table, where=f"[[{kind}]] "))
+    problems.raise_if_any()
+
+
+def _table(options) -> dict:
+    """Return options as a table, without those that are None."""
+    return {name: value for name, value in dataclasses.asdict(options).items() if value is not None}
 
 
 def _check_views(views: object) -> None:

@@ -27,7 +27,7 @@ placed = [
     Placed(Cylinder(3, 3), (99, 99, 99)),
 ]
 for shape in [(11, 13, 50), (3, 7, 49), (1, 1, 1)]:
-    cells = [wp.zeros(shape, dtype=float, device=device) for _ in range(3)]
+    cells = [wp.zeros(shape, dtype=float, device=device) for _ in range(4)]
     state = FluidState(Faces.zeros(shape, device), *cells)
     for solid in placed:
         for soft_edge in (0, 2):

@@ -17,7 +17,7 @@ SHAPES = [Sphere(4.2), Box((5.0, 3.3, 6.1)), Cylinder(3.7, 5.0), Mesh(*box_surfa
 
 
 def still(device, shape=GRID):
-    cells = [wp.zeros(shape, dtype=float, device=device) for _ in range(3)]
+    cells = [wp.zeros(shape, dtype=float, device=device) for _ in range(4)]
     return FluidState(Faces.zeros(shape, wp.get_device(device)), *cells)
 
 

@@ -195,7 +195,7 @@ def test_flow_is_read_from_the_fluid(device):
         at = np.indices(part.shape).astype(np.float32)
         at[axis] -= 0.5
         part.assign((axis + 1) * at[0] - at[1] + 2 * at[2])
-    cells = [wp.full(shape, value, dtype=float, device=device) for value in (3.0, 0.0, 0.0)]
+    cells = [wp.full(shape, value, dtype=float, device=device) for value in (3.0, 0.0, 0.0, 0.0)]
     points = np.array([[4.3, 7.1, 5.8], [2.0, 3.0, 4.0], [-3.0, 3.0, 4.0]])
     speeds, shares = flow_around(FluidState(faces, *cells), 6.0)(points)
     x, y, z = points[:2].T

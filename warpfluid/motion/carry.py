@@ -47,14 +47,14 @@ def carry(volume: np.ndarray, now: Views, later: Views, *, method: str = "ilk", 
     return out
 
 
-def smooth(omega: tuple[wp.array, ...], density: wp.array) -> tuple[wp.array, ...]:
+def smooth(omega: tuple[wp.array, ...], density: wp.array, sigma: float = SMOOTHING) -> tuple[wp.array, ...]:
     """Blur a lifted flow, weighted by density so that empty space does not slow the rim, in place."""
     scratch, cover = wp.empty_like(density), wp.empty_like(density)
-    blur(density, SMOOTHING, scratch=scratch, out=cover)
+    blur(density, sigma, scratch=scratch, out=cover)
     floor = FAINT * float(density.numpy().max())
     for component in omega:
         vectors.multiply(component, density, out=component)
-        blur(component, SMOOTHING, scratch=scratch, out=component)
+        blur(component, sigma, scratch=scratch, out=component)
         vectors.divide(component, cover, floor=floor, out=component)
     return omega
 

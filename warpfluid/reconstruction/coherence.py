@@ -15,7 +15,6 @@ from warpfluid.device import pick_device
 from warpfluid.kernels import filling, vectors
 from warpfluid.motion.carry import carry
 from warpfluid.options import ReconstructOptions
-from warpfluid.reconstruction.balance import Balancing
 from warpfluid.reconstruction.em import Iteration, Progress, finish, footage_facts
 from warpfluid.reconstruction.inputs import Inputs, make_inputs
 from warpfluid.reconstruction.result import Reconstruction
@@ -85,7 +84,7 @@ def filled_start(
     device = inputs.hull.device
     volume = wp.array(np.ascontiguousarray(carried[inputs.part]), dtype=float, device=device)
     vectors.multiply(volume, inputs.support, out=volume)
-    balancing = Balancing.of_measured(inputs, options.footprint)
+    balancing = inputs.balancing(options.footprint)
     trial = balancing.apply(wp.clone(volume), TRIAL_SWEEPS)
     lack, missing, light = wp.zeros_like(volume), 0.0, 0.0
     for view, image, seen in balancing.views:

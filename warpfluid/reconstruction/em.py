@@ -16,7 +16,6 @@ from warpfluid.kernels import vectors
 from warpfluid.kernels.blur import blur
 from warpfluid.options import ReconstructOptions
 from warpfluid.reconstruction.appearance import AppearanceTransfer
-from warpfluid.reconstruction.balance import Balancing
 from warpfluid.reconstruction.inputs import Inputs, make_inputs
 from warpfluid.reconstruction.lsm import LeastSquares
 from warpfluid.reconstruction.result import Reconstruction
@@ -122,7 +121,7 @@ class Iteration:
         weights = np.ones(len(fan_deg))
         weights[self._at] = options.input_weight
         self._solver = LeastSquares(self._fan, weights=weights, ramp=options.preconditioner == "ramp")
-        self._balance = Balancing.of_measured(inputs, options.footprint)
+        self._balance = inputs.balancing(options.footprint)
         self._scratch = self._volume()
         if options.fade > 0:
             ones = wp.full(self._fan.image_shape, 1.0, dtype=float, device=self.device)

@@ -12,6 +12,7 @@ import numpy as np
 import warp as wp
 from scipy.ndimage import distance_transform_edt, gaussian_filter1d, grey_opening
 
+from warpfluid.balance import Balancing
 from warpfluid.kernels.visual_hull import silhouette_hull
 from warpfluid.options import ReconstructOptions
 from warpfluid.projector import Projector, directions
@@ -79,6 +80,11 @@ class Inputs:
         """Return the projector of some angles inside the hull."""
         place = {"corner": self.corner, "width": self.images.shape[1]}
         return Projector(angles_deg, self.hull.shape, hull=self.hull, footprint=footprint, **place)
+
+    def balancing(self, footprint: str) -> Balancing:
+        """Return the balancing against all measured views."""
+        measured = slice(0, self.measured)
+        return Balancing(self.images[measured], self.projectors(self.angles_deg[measured], footprint))
 
     def projectors(self, angles_deg: tuple[float, ...], footprint: str) -> list[Projector]:
         """Return a projector for each angle alone."""

@@ -9,10 +9,10 @@ import functools
 import numpy as np
 import warp as wp
 
+from warpfluid.balance import Balancing
 from warpfluid.kernels import vectors
 from warpfluid.kernels.blur import blur
 from warpfluid.options import ReconstructOptions
-from warpfluid.reconstruction.balance import Balancing
 from warpfluid.reconstruction.inputs import Inputs
 from warpfluid.reconstruction.lsm import initial_volume
 
@@ -67,7 +67,7 @@ def given_start(inputs: Inputs, options: ReconstructOptions, volume: np.ndarray)
         raise ValueError(f"start has shape {volume.shape}, expected {inputs.box}: (x, z, y) of these views")
     start = wp.array(np.maximum(volume[inputs.part], 0), dtype=float, device=inputs.hull.device)
     vectors.multiply(start, inputs.support, out=start)
-    return Balancing.of_measured(inputs, options.footprint).apply(start, SWEEPS)
+    return inputs.balancing(options.footprint).apply(start, SWEEPS)
 
 
 def _product(inputs: Inputs, looks: np.ndarray, footprint: str) -> wp.array:

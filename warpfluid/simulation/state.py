@@ -65,6 +65,8 @@ class FluidState:
         density: Shape (x, z, y); a ray's sum is a pixel value.
         temperature: 1 is as hot as what an emitter of temperature 1 lets in; the surroundings are 0.
         fuel: What may burn, in the unit of density.
+        flame: Fuel that burnt lately, to be shown as light.
+        phase: How far the pattern of the turbulence has moved on.
         seconds: Time since the start.
     """
 
@@ -72,7 +74,9 @@ class FluidState:
     density: wp.array
     temperature: wp.array
     fuel: wp.array
+    flame: wp.array
     seconds: float = 0.0
+    phase: float = 0.0
 
 
 def face_shape(shape: tuple[int, int, int], axis: int) -> tuple[int, int, int]:

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import warp as wp
 
+from warpfluid.balance import Balancing
 from warpfluid.projector import Projector
-from warpfluid.reconstruction.balance import Balancing
 
 
 def balanced(volume, angles, images, sweeps, device, **options):

@@ -12,7 +12,6 @@ import warp as wp
 
 from warpfluid.kernels import vectors
 from warpfluid.projector import Projector
-from warpfluid.reconstruction.inputs import Inputs
 
 FLOOR = 1e-3  # grey level under which a rendered pixel counts as dark
 CAP = 4.0  # largest correction of one sweep
@@ -32,12 +31,6 @@ class Balancing:
         self._images = [wp.array(i[None], dtype=float, device=device) for i in np.ascontiguousarray(images)]
         self._seen = [view.backproject(_ones(view.image_shape, device)) for view in projectors]
         self._factor = wp.empty(projectors[0].shape, dtype=float, device=device)
-
-    @classmethod
-    def of_measured(cls, inputs: Inputs, footprint: str) -> "Balancing":
-        """Return the balancing against all measured views."""
-        measured = slice(0, inputs.measured)
-        return cls(inputs.images[measured], inputs.projectors(inputs.angles_deg[measured], footprint))
 
     @property
     def views(self) -> Iterator[tuple[Projector, wp.array, wp.array]]:

@@ -5,8 +5,10 @@ best volumes; ``ReconstructOptions.paper()`` sets everything to the paper's choi
 """
 
 import math
-from dataclasses import dataclass, fields, replace
-from typing import Annotated, Literal, get_args, get_type_hints
+from dataclasses import dataclass, replace
+from typing import Annotated, Literal
+
+from warpfluid.options.checks import check_options
 
 BRIGHT_FLAME = 1 / 3  # share of the lit pixels above grey level 200
 FLAME_SHOULDER = 3.5
@@ -195,66 +197,7 @@ PAPER = {
     "shoulder": 0.0,
 }
 
-RANGES = {
-    "iterations": (0, 1000),
-    "coherent_iterations": (0, 1000),
-    "angles": (2, 7200),
-    "cg_steps": (1, 1000),
-    "lsm_steps": (1, 1000),
-    "blur": (0, 20),
-    "input_weight": (0, 1e6),
-    "balance": (0, 100),
-    "balance_power": (0, 1),
-    "fade": (0, 1),
-    "fade_blur": (0, 20),
-    "threshold": (0, 254),
-    "hull_radius": (0.5, 10),
-    "start_noise": (0, 5),
-    "noise_grain": (0.1, 100),
-    "noise_grain_y": (0.1, 100),
-    "seed": (0, 2**32 - 1),
-    "scales": (1, 10),
-    "shoulder": (0, 10),
-    "black_level": (0, 254),
-    "voxel_size": (1e-9, 1e9),
-    "drop_below": (0, 1),
-}
-
 
 def default_angles(width: int) -> int:
     """Return how many views appearance is transferred to: 180, and more for volumes wider than 720 voxels."""
     return max(FEWEST_ANGLES, math.ceil(ANGLES_A_VOXEL * width))
-
-
-def check_options(options) -> None:
-    """Check every option against its type and range.
-
-    Raises:
-        ValueError: If any is wrong; one line each.
-    """
-    problems = []
-    hints = get_type_hints(type(options))
-    for field in fields(options):
-        value, name = getattr(options, field.name), field.name.replace("_", "-")
-        kinds = get_args(hints[field.name]) or (hints[field.name],)
-        if value is None and type(None) in kinds:
-            continue
-        choices = [kind for kind in kinds if isinstance(kind, str)]
-        if choices and value not in choices:
-            problems.append(f"{name} is {value!r}, expected one of {', '.join(choices)}")
-        elif bool in kinds and not isinstance(value, bool):
-            problems.append(f"{name} is {value!r}, expected true or false")
-        elif str in kinds and not isinstance(value, str):
-            problems.append(f"{name} is {value!r}, expected text")
-        elif (int in kinds or float in kinds) and not _is_number(value, whole=int in kinds):
-            problems.append(f"{name} is {value!r}, expected a {'whole ' if int in kinds else ''}number")
-        elif field.name in RANGES and not RANGES[field.name][0] <= value <= RANGES[field.name][1]:
-            low, high = RANGES[field.name]
-            problems.append(f"{name} is {value:.10g}, expected {low:.10g} to {high:.10g}")
-    if problems:
-        raise ValueError("\n".join(problems))
-
-
-def _is_number(value, *, whole: bool) -> bool:
-    allowed = int if whole else int | float
-    return isinstance(value, allowed) and not isinstance(value, bool) and math.isfinite(value)

@@ -1,0 +1,39 @@
+"""Every choice that a run can make, explained."""
+
+from warpfluid.options.checks import RANGES, check_options
+from warpfluid.options.reconstruct import (
+    BRIGHT_FLAME,
+    PAPER,
+    InputOptions,
+    OutputOptions,
+    ReconstructOptions,
+    default_angles,
+)
+from warpfluid.options.scene import (
+    THINGS,
+    BodyOptions,
+    EmitterOptions,
+    ForceOptions,
+    ObstacleOptions,
+    Scene,
+)
+from warpfluid.options.simulate import SIMULATE_PAPER, SimulateOptions
+
+__all__ = [
+    "BRIGHT_FLAME",
+    "PAPER",
+    "RANGES",
+    "SIMULATE_PAPER",
+    "THINGS",
+    "BodyOptions",
+    "EmitterOptions",
+    "ForceOptions",
+    "InputOptions",
+    "ObstacleOptions",
+    "OutputOptions",
+    "ReconstructOptions",
+    "Scene",
+    "SimulateOptions",
+    "check_options",
+    "default_angles",
+]

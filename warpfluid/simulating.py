@@ -1,0 +1,178 @@
+"""What ``warpfluid simulate`` and ``warpfluid presets`` do, once their flags are read."""
+
+import json
+import re
+import sys
+from dataclasses import asdict, dataclass
+from importlib.resources import files
+from pathlib import Path
+
+from warpfluid.errors import Problems, describe
+from warpfluid.files.sequences import parse_frames
+from warpfluid.presets import preset_names, preset_settings
+from warpfluid.progress import Progress
+from warpfluid.run import FILM, Run
+from warpfluid.settings import SimulateSettings, make_simulate_settings, read_settings
+from warpfluid.simulation.source import Source, open_source
+
+USUAL_LENGTH = 48  # frames of a simulation that follows nothing
+
+
+@dataclass(frozen=True, kw_only=True)
+class Asked:
+    """What the command line asks for.
+
+    Attributes:
+        source: A run or volumes; None for those of the configuration, or an empty box.
+        size: WIDTHxHEIGHT of an empty box.
+        preset: Name of a preset.
+        things: Lines by kind: emitters, obstacles, forces, bodies.
+        method: Flags of the simulation.
+        output: Flags of the output.
+    """
+
+    source: str | None
+    size: str | None
+    preset: str | None
+    things: dict[str, list[str] | None]
+    method: object
+    output: object
+
+
+def simulate(
+    asked: Asked, out: Path, *, paper: bool, config: Path | None, resume: bool, overwrite: bool, common
+) -> int:
+    """Simulate into a folder; return the exit code."""
+    from warpfluid.device import pick_device
+
+    log, run, problems = Progress(quiet=common.quiet), Run(out), Problems()
+    problems.attempt(lambda: run.check_free(resume=resume, overwrite=overwrite))
+    device = problems.attempt(pick_device, common.device)
+    made = problems.attempt(_settle, asked, paper, config)
+    problems.raise_if_any()
+    settings, source = made
+    if settings.source and Path(settings.source).expanduser().resolve() == out.resolve():
+        raise ValueError(f"{out} is the source itself: choose another folder with -o")
+    frames = _frames(settings, source)
+    facts = {"device": str(device), "angles": list(source.angles_deg), "inputs": source.identities()}
+    kept = run.begin(settings, facts, resume=resume, overwrite=overwrite)
+    size = "x".join(map(str, _sizes(source)))
+    log.line(f"source  {settings.source or 'an empty box'}: {size} voxels, {len(frames)} frames")
+    failed = _animate(run, settings, source, frames, device, resume and _continues(run, frames, kept), log)
+    if settings.output.turntable and run.records():
+        failed |= _film(run, settings, log)
+    return _conclude(run, frames, failed, common)
+
+
+def show_presets(common) -> int:
+    """List the presets; return the exit code."""
+    if common.json:
+        print(json.dumps({name: preset_settings(name) for name in preset_names()}, indent=2))
+        return 0
+    for name in preset_names():
+        text = (files("warpfluid") / "presets" / f"{name}.toml").read_text("utf-8")
+        print(f"{name}\n    {text.splitlines()[0].removeprefix('# ')}")
+        print(
+            "    "
+            + " ".join(f"--{key.replace('_', '-')} {value}" for key, value in preset_settings(name)["simulate"].items())
+        )
+    return 0
+
+
+def _settle(asked: Asked, paper: bool, config: Path | None) -> tuple[SimulateSettings, Source]:
+    """Return settings and source, each with the other's say."""
+    document = read_settings(config) if config else {}
+    size = _size(asked.size) if asked.size else tuple(document.get("size", ())) or None
+    name = asked.source or document.get("source")
+    if name and asked.size:
+        raise ValueError("size is for an empty box, and there is a source: use --resolution-scale")
+    chosen = {"size": size, "preset": asked.preset, "paper": paper, "config": config}
+    settings = make_simulate_settings(asked.source, asked.method, asked.output, asked.things, **chosen)
+    source = open_source(name, size=size, resolution_scale=settings.simulate.resolution_scale)
+    if name and "output" not in document:
+        stored = {"source_output": asdict(source.output)}
+        settings = make_simulate_settings(asked.source, asked.method, asked.output, asked.things, **chosen, **stored)
+    if not name and not any(settings.scene.emitter):
+        raise ValueError("there is nothing to simulate: name a run or volumes, a --preset, or an --emitter")
+    if len(source.frames) > 1 and settings.simulate.time_scale != 1:
+        raise ValueError("time-scale is not 1, but a sequence is followed frame by frame: leave it at 1")
+    return settings, source
+
+
+def _frames(settings: SimulateSettings, source: Source) -> tuple[int, ...]:
+    """Return the frames to write."""
+    if settings.simulate.frames is None:
+        return source.frames if len(source.frames) > 1 else tuple(range(*_usual(source)))
+    frames = tuple(parse_frames(settings.simulate.frames))
+    if source.files and frames[0] not in source.files:
+        have = f"{source.frames[0]} to {source.frames[-1]}"
+        raise ValueError(f"frames begin with {frames[0]}, which the source has not (it has {have})")
+    return frames
+
+
+def _usual(source: Source) -> tuple[int, int]:
+    first = source.frames[0] if source.files else 1
+    return first, first + USUAL_LENGTH
+
+
+def _continues(run: Run, frames: tuple[int, ...], kept: dict) -> bool:
+    """Return whether a run can go on from its checkpoint: all frames up to it are there and whole."""
+    from warpfluid.simulation.checkpoint import checkpoint_frame
+
+    last = checkpoint_frame(run)
+    return last is not None and {frame for frame in frames if frame <= last} <= set(kept)
+
+
+def _animate(run: Run, settings: SimulateSettings, source: Source, frames, device, resume: bool, log: Progress) -> dict:
+    """Simulate the frames; return what failed."""
+    from warpfluid.simulation.animate import Animation, Animator
+
+    animation = Animation(
+        source=source, options=settings.simulate, scene=settings.scene, output=settings.output, device=device
+    )
+    try:
+        for record in Animator(animation, frames).run(run, resume=resume):
+            exact = f", views {min(record['input_psnr']):.1f} dB" if "input_psnr" in record else ""
+            took = f"{record['seconds']:.1f} s, {record['steps']} steps{exact}"
+            log.line(f"frame   {record['frame']}  {took}, {record['file']}")
+    except KeyboardInterrupt as stop:
+        there = f"stopped after {len(run.records())} of {len(frames)} frames"
+        raise KeyboardInterrupt(f"{there}; to continue: warpfluid simulate -o {run.folder} --resume") from stop
+    except (ValueError, OSError) as error:
+        return {"simulation": describe(error)}
+    return {}
+
+
+def _film(run: Run, settings: SimulateSettings, log: Progress) -> dict[str, str]:
+    """Write the turntable; return what failed."""
+    from warpfluid.report.of_run import write_film
+
+    log.line(f"write   {FILM}")
+    try:
+        write_film(run, settings, run.folder / FILM)
+    except (ValueError, OSError) as error:
+        return {FILM: describe(error)}
+    return {}
+
+
+def _conclude(run: Run, frames: tuple[int, ...], failed: dict[str, str], common) -> int:
+    records = {frame: record for frame, record in run.records().items() if frame in frames}
+    if common.json:
+        print(json.dumps({"folder": str(run.folder), "frames": list(records.values()), "failed": failed}))
+    else:
+        print(f"{run.folder}: {len(records)} of {len(frames)} frames")
+    for name, error in failed.items():
+        print(f"error: {name}: {error}", file=sys.stderr)
+    return 1 if failed else 0
+
+
+def _size(text: str) -> tuple[int, int]:
+    match = re.fullmatch(r"(\d{1,4})x(\d{1,4})", text)
+    if not match or min(int(n) for n in match.groups()) < 8:
+        raise ValueError(f"size is {text!r}, expected WIDTHxHEIGHT of at least 8, such as 96x144")
+    return int(match[1]), int(match[2])
+
+
+def _sizes(source: Source) -> tuple[int, int, int]:
+    """Return the voxels of a source as people say them: width, height, depth."""
+    return source.shape[0], source.shape[2], source.shape[1]

@@ -1,0 +1,66 @@
+"""The state of a simulation on disk, so that it goes on bit for bit."""
+
+import io
+from collections.abc import Sequence
+
+import numpy as np
+import warp as wp
+
+from warpfluid.files.atomic import replacing
+from warpfluid.run import Run
+from warpfluid.simulation.rigid_body import RigidBody
+from warpfluid.simulation.state import Faces, FluidState
+
+CHECKPOINT = "checkpoint.npz"
+CELLS = ("density", "temperature", "fuel", "flame")
+DAMAGE = (KeyError, OSError, ValueError, EOFError)
+
+
+def save_state(run: Run, frame: int, state: FluidState, bodies: Sequence[RigidBody]) -> None:
+    """Write the state after a frame in place of the one before."""
+    arrays = {name: getattr(state, name).numpy() for name in CELLS}
+    arrays |= {f"velocity_{name}": part.numpy() for name, part in zip("xzy", state.velocity, strict=True)}
+    arrays |= {"frame": np.array(frame), "clock": np.array([state.seconds, state.phase], np.float64)}
+    for number, body in enumerate(bodies):
+        arrays |= {f"body{number}_{name}": value for name, value in body.state().items()}
+    with replacing(run.folder / CHECKPOINT) as file:
+        np.savez(file, **arrays)
+
+
+def checkpoint_frame(run: Run) -> int | None:
+    """Return the frame of a run's checkpoint, None if there is none or it is damaged."""
+    try:
+        with np.load(run.folder / CHECKPOINT, allow_pickle=False) as arrays:
+            return int(arrays["frame"])
+    except DAMAGE:
+        return None
+
+
+def load_state(run: Run, state: FluidState, bodies: Sequence[RigidBody]) -> int | None:
+    """Take a simulation back to a run's checkpoint.
+
+    Returns:
+        The frame of the checkpoint; None if there is none that fits, and nothing is changed.
+    """
+    try:
+        data = io.BytesIO((run.folder / CHECKPOINT).read_bytes())
+        with np.load(data, allow_pickle=False) as arrays:
+            found = {name: arrays[name] for name in arrays.files}
+        device = state.density.device
+        cells = {name: found[name] for name in CELLS}
+        faces = [found[f"velocity_{name}"] for name in "xzy"]
+        there = [*(getattr(state, name) for name in CELLS), *state.velocity]
+        if [a.shape for a in (*cells.values(), *faces)] != [a.shape for a in there]:
+            return None
+        moved = [{name: found[f"body{n}_{name}"] for name in body.state()} for n, body in enumerate(bodies)]
+        seconds, phase = map(float, found["clock"])
+        frame = int(found["frame"])
+    except DAMAGE:
+        return None
+    for name, values in cells.items():
+        setattr(state, name, wp.array(values, dtype=float, device=device))
+    state.velocity = Faces(*(wp.array(values, dtype=float, device=device) for values in faces))
+    state.seconds, state.phase = seconds, phase
+    for body, values in zip(bodies, moved, strict=True):
+        body.restore(values)
+    return frame

@@ -1,0 +1,116 @@
+"""All that pushes a fluid during a step."""
+
+from typing import NamedTuple
+
+import numpy as np
+import warp as wp
+
+from warpfluid.kernels import decay, vectors
+from warpfluid.kernels.blur import blur
+from warpfluid.kernels.forces import add_buoyancy, add_wind
+from warpfluid.kernels.pushes import add_push
+from warpfluid.kernels.swirl import add_swirl
+from warpfluid.kernels.turbulence import add_turbulence
+from warpfluid.options import ForceOptions
+from warpfluid.options.keys import Keyed
+from warpfluid.simulation.physics import Physics
+from warpfluid.simulation.placing import UNITS, Placing
+from warpfluid.simulation.shapes import SWAP
+from warpfluid.simulation.state import FluidState
+
+STANDARD_GRAVITY = 9.8
+SWIRL_UNITS = 0.1  # strength 1 turns an eddy faster by this many units a second
+USUAL_REACH = 2.0  # of a force that has a centre
+MASK_SOFTNESS = 1 / 12  # blur of the turbulence's mask in waves; a hard rim would be pushed along itself
+
+
+class Force(NamedTuple):
+    """A field of force in voxels and seconds; vectors are (x, z, y)."""
+
+    kind: str
+    strength: float
+    centre: tuple[float, ...]
+    radius: float
+    direction: tuple[float, ...]
+
+
+def place_force(options: ForceOptions, placing: Placing, frame: float) -> Force:
+    """Return a field of force as it is at a frame."""
+    rate = options.kind in ("wind", "drag")
+    strength = Keyed(options.strength).at(frame) * (1 if rate else placing.unit)
+    vector = placing.vector if options.kind == "wind" else lambda text, at: Keyed(text, 3).at(at)
+    centre, direction = SWAP @ placing.point(options.center, frame), SWAP @ vector(options.direction, frame)
+    reach = options.radius or (0.0 if options.kind == "uniform" else USUAL_REACH)
+    return Force(options.kind, strength, tuple(centre), reach * placing.unit, tuple(direction))
+
+
+def add_forces(physics: Physics, state: FluidState, frame: float, seconds: float, forces: tuple[Force, ...]) -> None:
+    """Accelerate a fluid for a time step, in place."""
+    _buoyancy(physics, state, frame, seconds)
+    _turbulence(physics, state, frame, seconds)
+    step = {"sides": physics.sides, "time_step": seconds}
+    mask = decay.make_mask(state.density, reference=physics.placing.reference)
+    swirl = physics.number("swirl", frame) * SWIRL_UNITS * physics.placing.unit
+    if swirl:
+        add_swirl(*state.velocity, strength=swirl, **step)
+    wind = SWAP @ physics.placing.vector(physics.options.wind, frame)
+    if np.any(wind):
+        add_wind(*state.velocity, wind=tuple(wind), rate=physics.number("wind_drag", frame), mask=mask, **step)
+    for force in forces:
+        if force.kind in ("wind", "drag"):
+            wind = force.direction if force.kind == "wind" else (0.0, 0.0, 0.0)
+            add_wind(*state.velocity, wind=wind, rate=force.strength, mask=mask, **step)
+        else:
+            add_push(*state.velocity, **force._asdict(), **step)
+
+
+def _buoyancy(physics: Physics, state: FluidState, frame: float, seconds: float) -> None:
+    """Lift what is hot or light, against gravity; a liquid falls instead."""
+    gravity = SWAP @ Keyed(physics.options.gravity, 3).at(frame)
+    lift = {name: physics.number(name, frame) for name in ("temperature_buoyancy", "density_buoyancy")}
+    step = {"sides": physics.sides, "time_step": seconds, "reference": physics.placing.reference}
+    fields = {"temperature": state.temperature, "density": state.density}
+    if any(lift.values()):
+        up = tuple(-gravity / STANDARD_GRAVITY * physics.placing.unit)
+        add_buoyancy(*state.velocity, **fields, up=up, **lift, **step)
+    weight = physics.number("liquid_weight", frame)
+    if weight > 0:  # in air, a share (m - 1) / m of gravity is left to what is m times as heavy
+        share = decay.make_mask(state.density, reference=physics.placing.reference)
+        heavier = wp.zeros_like(share)
+        vectors.add_scaled(heavier, weight, share, out=heavier)
+        mass = wp.full(share.shape, 1.0, dtype=float, device=share.device)
+        vectors.divide(heavier, vectors.add_scaled(mass, 1.0, heavier, out=mass), floor=1.0, out=share)
+        fall = {"temperature_buoyancy": 0.0, "density_buoyancy": -1.0}
+        fields["density"], step["reference"] = share, 1.0
+        add_buoyancy(*state.velocity, **fields, up=tuple(-gravity * physics.placing.unit), **fall, **step)
+
+
+def _turbulence(physics: Physics, state: FluidState, frame: float, seconds: float) -> None:
+    """Stir with noise that moves in time."""
+    options, unit = physics.options, physics.placing.unit
+    state.phase += physics.number("turbulence_speed", frame) * seconds
+    strength = physics.number("turbulence_strength", frame) * UNITS * unit
+    if not strength:
+        return
+    frequency = physics.number("turbulence_frequency", frame) / unit
+    add_turbulence(
+        *state.velocity,
+        strength=strength,
+        frequency=frequency,
+        phase=state.phase,
+        octaves=options.turbulence_octaves,
+        seed=options.turbulence_seed,
+        sides=physics.sides,
+        time_step=seconds,
+        mask=_mask(physics, state, MASK_SOFTNESS / frequency),
+    )
+
+
+def _mask(physics: Physics, state: FluidState, softness: float) -> wp.array | None:
+    """Return where turbulence acts, 0 to 1, with a soft rim."""
+    kind = physics.options.turbulence_mask
+    if kind == "none":
+        return None
+    field, full = (state.density, physics.placing.reference) if kind == "density" else (state.temperature, 1.0)
+    mask = decay.make_mask(field, reference=full)
+    return blur(mask, softness, out=mask)

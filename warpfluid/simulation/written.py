@@ -1,0 +1,59 @@
+"""What a simulated frame leaves on disk besides its density."""
+
+import numpy as np
+import warp as wp
+from scipy.ndimage import maximum_filter
+
+from warpfluid.files.bodies import read_bodies, write_bodies
+from warpfluid.options import OutputOptions
+from warpfluid.run import Run
+from warpfluid.simulation.placing import Placing
+from warpfluid.simulation.rigid_body import RigidBody
+from warpfluid.simulation.source import Source
+from warpfluid.simulation.state import Faces, FluidState
+
+RIM = 5  # voxels across a box around each voxel of fluid in which motion and heat are stored
+BODIES = "bodies.json"
+
+
+def grids_of(
+    state: FluidState, placing: Placing, source: Source, output: OutputOptions, *, burns: bool
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Return the density (x, z, y), in the source's unit, and further grids by name.
+
+    Velocity is in scene units a second, shape (x, z, y, 3) with components (x, y, z); it, temperature and the rest are
+    stored where there is fluid, and a little around it.
+    """
+    density = state.density.numpy() / np.float32(source.scale)
+    near = maximum_filter(density > output.drop_below * density.max(), RIM)
+    names = ["temperature", *(("fuel", "flame") if burns else ())]
+    full = {"temperature": 1.0, "fuel": source.scale, "flame": placing.reference}
+    grids = {name: np.where(near, getattr(state, name).numpy() / np.float32(full[name]), 0) for name in names}
+    voxel = output.voxel_size
+    x, z, y = (part * np.float32(voxel) for part in centred(state.velocity))
+    grids["velocity"] = np.where(near[..., None], np.stack([x, y, z], axis=-1), 0)
+    return density, {name: grid.astype(np.float32) for name, grid in grids.items()}
+
+
+def centred(velocity: Faces) -> list[np.ndarray]:
+    """Return the components of a velocity in the voxels, the mean of both faces, along x, z and y."""
+    parts = []
+    for axis, part in enumerate(velocity):
+        faces = np.moveaxis(part.numpy() if isinstance(part, wp.array) else part, axis, 0)
+        parts.append(np.moveaxis((faces[1:] + faces[:-1]) / 2, 0, axis))
+    return parts
+
+
+def write_transforms(run: Run, frame: int, bodies: list[RigidBody], placing: Placing, voxel: float) -> None:
+    """Add the bodies of a frame to ``bodies.json`` of a run."""
+    path = run.folder / BODIES
+    origin = placing.origin
+    frames = read_bodies(path)[1] if path.exists() else {}
+    earlier = {number: [_in_voxels(body, voxel, origin) for body in found] for number, found in frames.items()}
+    names = [f"body{number}" for number in range(1, len(bodies) + 1)]
+    kept = {number: found for number, found in earlier.items() if number < frame and len(found) == len(bodies)}
+    write_bodies(path, names, kept | {frame: [body.state() for body in bodies]}, voxel=voxel, origin=origin)
+
+
+def _in_voxels(body: dict[str, np.ndarray], voxel: float, origin: np.ndarray) -> dict[str, np.ndarray]:
+    return body | {"position": body["position"] / voxel + origin, "velocity": body["velocity"] / voxel}
