@@ -4,16 +4,29 @@ import re
 import shlex
 from dataclasses import asdict, fields
 from pathlib import Path
+from typing import get_args, get_type_hints
 
 import numpy as np
 import pytest
 
 from warpfluid.cli import app
-from warpfluid.options import InputOptions, OutputOptions, ReconstructOptions
+from warpfluid.options import SIMULATE_PAPER, THINGS, InputOptions, OutputOptions, ReconstructOptions, SimulateOptions
+from warpfluid.options.scene import parse_thing
+from warpfluid.presets import preset_names
 
 ROOT = Path(__file__).parents[1]
 PAGES = {str(path.relative_to(ROOT)): path for path in [*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")]}
-OPTIONS = (InputOptions, ReconstructOptions, OutputOptions)
+SECTIONS = {
+    InputOptions: "### Footage",
+    ReconstructOptions: "### Method",
+    SimulateOptions: "### Simulation",
+    OutputOptions: "### Output",
+    THINGS["emitter"]: "### Emitters",
+    THINGS["obstacle"]: "### Obstacles",
+    THINGS["force"]: "### Forces",
+    THINGS["body"]: "### Bodies",
+}
+OPTIONS = tuple(SECTIONS)
 COMMANDS = [name for name in app if not name.startswith("-")]
 FENCE = re.compile(r"^ *```(\w*)\n(.*?)^ *```$", re.MULTILINE | re.DOTALL)
 
@@ -75,10 +88,15 @@ def test_every_page_is_in_the_index():
 @pytest.mark.parametrize(("page", "line"), command_lines())
 def test_command_lines_parse(page, line):
     """A command that is shown is one that is taken, with values that are allowed."""
-    _, bound, *_ = app.parse_args(shlex.split(line)[1:], exit_on_error=False, print_error=False)
-    for name, options in zip(("footage", "method", "output"), OPTIONS, strict=True):
+    command, *rest = shlex.split(line)[1:]
+    _, bound, *_ = app.parse_args([command, *rest], exit_on_error=False, print_error=False)
+    method = SimulateOptions if command == "simulate" else ReconstructOptions
+    for name, options in (("footage", InputOptions), ("method", method), ("output", OutputOptions)):
         if name in bound.arguments:
             options(**{key: value for key, value in asdict(bound.arguments[name]).items() if value is not None})
+    for kind in THINGS:
+        for text in bound.arguments.get(kind) or ():
+            parse_thing(kind, text)
 
 
 def test_commands_are_shown():
@@ -98,13 +116,13 @@ def test_page_of_commands_is_complete():
 @pytest.mark.parametrize("options", OPTIONS, ids=lambda options: options.__name__)
 def test_defaults_are_right(options):
     """Every option has one row with its default; a dash stands for none."""
-    rows = dict(re.findall(r"^\| `--([\w-]+)[^|]*\| ([^|]+) \|", documented(options), re.MULTILINE))
-    made = {field.name.replace("_", "-"): getattr(options(), field.name) for field in fields(options)}
+    rows = dict(re.findall(r"^\| `(?:--)?([\w-]+)[^|]*\| ([^|]+) \|", documented(options), re.MULTILINE))
+    made = {spelt(options, field.name): getattr(options(), field.name) for field in fields(options)}
     assert rows.keys() == made.keys()
     for name, default in made.items():
         told = rows[name].strip("`")
         if isinstance(default, bool):
-            assert told == ("on" if default else "off"), name
+            assert told == (("true" if default else "false") if is_thing(options) else "on" if default else "off"), name
         elif isinstance(default, int | float):
             assert float(told) == default, name
         else:
@@ -116,24 +134,56 @@ def test_choices_are_told(options):
     """The row of an option with choices names each of them."""
     for field in fields(options):
         choices = re.findall(r"'([\w-]+)'", str(field.type)) if "Literal" in str(field.type) else []
-        row = next(line for line in documented(options).splitlines() if f"`--{field.name.replace('_', '-')}" in line)
+        name = ("" if is_thing(options) else "--") + spelt(options, field.name)
+        row = next(line for line in documented(options).splitlines() if re.match(rf"\| `{name}\b", line))
         assert all(f"`{choice}`" in row for choice in choices), field.name
 
 
 def documented(options: type) -> str:
     """Return the section of the page of commands that has an options class."""
-    title = {InputOptions: "### Footage", ReconstructOptions: "### Method", OutputOptions: "### Output"}[options]
-    return PAGES["docs/cli.md"].read_text("utf-8").split(f"\n{title}\n")[1].split("\n#")[0]
+    return PAGES["docs/cli.md"].read_text("utf-8").split(f"\n{SECTIONS[options]}\n")[1].split("\n#")[0]
 
 
-def test_choices_of_paper_are_told():
+def is_thing(options: type) -> bool:
+    """Return whether these are fields of what stands in the box, and no flags."""
+    return options in THINGS.values()
+
+
+def spelt(options: type, name: str) -> str:
+    """Return an option as it is written: flags have hyphens."""
+    return name if is_thing(options) else name.replace("_", "-")
+
+
+@pytest.mark.parametrize(
+    ("command", "options", "paper"),
+    [
+        ("reconstruct", ReconstructOptions, ReconstructOptions.paper()),
+        ("simulate", SimulateOptions, SimulateOptions(**SIMULATE_PAPER)),
+    ],
+)
+def test_choices_of_paper_are_told(command, options, paper):
     """The sentence on --paper names exactly what differs from the defaults."""
-    told = re.search(r"`--paper` sets (.+?);", documented(ReconstructOptions), re.DOTALL)[1]
+    told = re.search(r"`--paper` sets (.+?);", documented(options), re.DOTALL)[1]
     bound = app.parse_args(
-        ["reconstruct", *" ".join(re.findall(r"`(.+?)`", told)).split()], exit_on_error=False, print_error=False
+        [command, *" ".join(re.findall(r"`(.+?)`", told)).split()], exit_on_error=False, print_error=False
     )[1]
     given = {key: value for key, value in asdict(bound.arguments["method"]).items() if value is not None}
-    assert ReconstructOptions(**given) == ReconstructOptions.paper()
+    assert options(**given) == paper
+
+
+def test_what_may_be_keyed_is_told():
+    """The numbers that may not be keyed are named, and no others."""
+    told = re.search(r"may be keyed but for (.+?)\.", documented(SimulateOptions), re.DOTALL)[1]
+    kinds = {field.name: get_args(get_type_hints(SimulateOptions)[field.name]) for field in fields(SimulateOptions)}
+    plain = {name for name, kind in get_type_hints(SimulateOptions).items() if kind is float or (float in kinds[name])}
+    plain -= {name for name, kind in kinds.items() if str in kind}
+    assert {name.replace("-", "_") for name in re.findall(r"`(.+?)`", told)} == plain
+
+
+def test_presets_are_told():
+    """The page of commands names each preset, and no other."""
+    row = re.search(r"^\| `--preset NAME`.*$", PAGES["docs/cli.md"].read_text("utf-8"), re.MULTILINE)[0]
+    assert re.findall(r"`(\w+)`", row) == sorted(preset_names(), key=row.find)
 
 
 @pytest.mark.parametrize("page", PAGES)

@@ -2,42 +2,86 @@
 
 import dataclasses
 import re
+from typing import get_args, get_type_hints
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from warpfluid.options import PAPER, RANGES, InputOptions, OutputOptions, ReconstructOptions, default_angles
+from warpfluid.options import (
+    PAPER,
+    RANGES,
+    SIMULATE_PAPER,
+    THINGS,
+    BodyOptions,
+    EmitterOptions,
+    ForceOptions,
+    InputOptions,
+    ObstacleOptions,
+    OutputOptions,
+    ReconstructOptions,
+    SimulateOptions,
+    default_angles,
+)
+from warpfluid.options.checks import VECTORS, WORDS
 
-CLASSES = (InputOptions, ReconstructOptions, OutputOptions)
+COMMANDS = ((InputOptions, ReconstructOptions, OutputOptions), (SimulateOptions, OutputOptions))
+CLASSES = (InputOptions, ReconstructOptions, SimulateOptions, OutputOptions, *THINGS.values())
+FREE = {"white"}  # numbers that have no range: any positive value
+OWNERS = [(options, field.name) for options in CLASSES for field in dataclasses.fields(options)]
+
+
+def is_number(options: type, name: str) -> bool:
+    """Return whether an option is a number, keyed or not."""
+    kind = get_type_hints(options)[name]
+    return bool({int, float} & {kind, *get_args(kind)})
 
 
 def test_every_number_has_a_range():
     """A range for each number, none for what is no number or does not exist."""
-    fields = {field.name: str(field.type) for options in CLASSES for field in dataclasses.fields(options)}
-    numbers = {name for name, kind in fields.items() if "[int" in kind or "[float" in kind}
-    assert set(RANGES) <= numbers
-    assert numbers - set(RANGES) <= {"white"}  # any positive value
+    numbers = {name for options, name in OWNERS if is_number(options, name)}
+    assert set(RANGES) <= numbers | VECTORS
+    assert numbers - set(RANGES) <= FREE
 
 
-def test_names_are_unlike():
-    """One flag names one option, whatever class it belongs to; none is a flag of the commands."""
-    names = [field.name for options in CLASSES for field in dataclasses.fields(options)]
+def test_every_vector_and_word_exists():
+    """What is said of vectors and words is said of options."""
+    assert {name for _, name in OWNERS} >= VECTORS
+    assert set(WORDS) <= {name for _, name in OWNERS}
+
+
+@pytest.mark.parametrize("classes", COMMANDS, ids=["reconstruct", "simulate"])
+def test_names_are_unlike(classes):
+    """One flag names one option of a command, whatever class it belongs to; none is a flag of the command."""
+    names = [field.name for options in classes for field in dataclasses.fields(options)]
     assert len(names) == len(set(names))
     assert not set(names) & {"view", "front", "side", "out", "paper", "config", "resume", "overwrite", "device"}
+    assert not set(names) & {"source", "preset", "size", *THINGS}
 
 
-@pytest.mark.parametrize("name", RANGES)
-def test_ranges(name):
-    """Both ends are allowed, what lies beyond is refused with the range."""
-    options = next(kind for kind in CLASSES if name in {field.name for field in dataclasses.fields(kind)})
+@pytest.mark.parametrize(
+    ("options", "name"),
+    [(options, name) for options, name in OWNERS if name in RANGES and is_number(options, name)],
+    ids=lambda part: part if isinstance(part, str) else part.__name__,
+)
+def test_ranges(options, name):
+    """Both ends are allowed, what lies beyond is refused with the range, at any key."""
     low, high = RANGES[name]
     for value in (low, high):
         assert getattr(options(**{name: value}), name) == value
+    keyed = str in get_args(get_type_hints(options)[name])
     for value in (low - 1, high + 1):
         words = f"{name.replace('_', '-')} is {value:.10g}, expected {low:.10g} to {high:.10g}"
-        with pytest.raises(ValueError, match=re.escape(words)):
-            options(**{name: value})
+        for said in (value, f"{value!r}", f"1:{low!r};5:{value!r}") if keyed else (value,):
+            with pytest.raises(ValueError, match=re.escape(words)):
+                options(**{name: said})
+
+
+@pytest.mark.parametrize("options", CLASSES, ids=lambda options: options.__name__)
+def test_defaults_are_allowed(options):
+    """So that what a run writes down can be read again."""
+    made = options()
+    assert options(**dataclasses.asdict(made)) == made
 
 
 @pytest.mark.parametrize(
@@ -52,6 +96,26 @@ def test_ranges(name):
         (ReconstructOptions, {"hull": "square"}, "hull is 'square', expected one of auto, silhouette, round"),
         (InputOptions, {"frames": 7}, "frames is 7, expected text"),
         (OutputOptions, {"up": ["y"]}, r"up is \['y'\], expected one of y, z"),
+        (SimulateOptions, {"swirl": "much"}, "swirl is 'much', expected a number, or keys such as 1:0.5;24:2"),
+        (SimulateOptions, {"swirl": True}, "swirl is True, expected a number"),
+        (SimulateOptions, {"swirl": None}, "swirl is None, expected a number"),
+        (SimulateOptions, {"swirl": [1]}, r"swirl is \[1\], expected a number"),
+        (SimulateOptions, {"swirl": "auto"}, "swirl is 'auto', expected a number, or keys"),
+        (SimulateOptions, {"swirl": float("inf")}, "swirl is inf, expected a number"),
+        (SimulateOptions, {"swirl": "9:1;1:2"}, "swirl is '9:1;1:2', expected a number, or keys"),
+        (SimulateOptions, {"density_dissipation": "none"}, "is 'none', expected auto, a number, or keys"),
+        (SimulateOptions, {"fidelity": "1:0;9:1"}, "fidelity is '1:0;9:1', expected a number"),
+        (SimulateOptions, {"wind": "1,2"}, "wind is '1,2', expected three numbers such as 0,1,0, or keys such as 1:0,"),
+        (SimulateOptions, {"wind": 3}, "wind is 3, expected three numbers"),
+        (SimulateOptions, {"wind": "a,b,c"}, "wind is 'a,b,c', expected three numbers"),
+        (SimulateOptions, {"boundary_x": "shut"}, "boundary-x is 'shut', expected one of open, closed, closed-low"),
+        (SimulateOptions, {"max_substeps": 2.5}, "max-substeps is 2.5, expected a whole number"),
+        (EmitterOptions, {"shape": "plane"}, "shape is 'plane', expected one of sphere, box, cylinder, mesh"),
+        (EmitterOptions, {"size": "1,-1,1"}, "size is -1, expected 0.001 to 1000"),
+        (ObstacleOptions, {"mesh": 1}, "mesh is 1, expected text"),
+        (ForceOptions, {"kind": "push"}, "kind is 'push', expected one of uniform, radial"),
+        (BodyOptions, {"obstacle": 1}, "obstacle is 1, expected true or false"),
+        (BodyOptions, {"shape": "sphere"}, "shape is 'sphere', expected one of box, mesh"),
     ],
 )
 def test_wrong_values(options, values, words):
@@ -96,6 +160,15 @@ def test_choices_left_to_the_footage(views, width, bright, **asked):
     assert settled.settled(views=views, width=width, bright=1 - bright) == settled
     if asked["shoulder"] is None and (views > 1 or bright <= 1 / 3):
         assert settled.shoulder == 0
+
+
+def test_what_simulate_takes():
+    """Words where they are allowed, keyed numbers and vectors as text, and the paper's choices."""
+    made = SimulateOptions(density_dissipation="auto", swirl="1:0;9:2", wind="1:0,0,0;9:1,0,0", blend="0.25")
+    assert (made.density_dissipation, made.swirl) == ("auto", "1:0;9:2")
+    paper = dataclasses.asdict(SimulateOptions(**SIMULATE_PAPER))
+    usual = dataclasses.asdict(SimulateOptions())
+    assert {name for name in paper if paper[name] != usual[name]} == {*SIMULATE_PAPER}
 
 
 def test_default_angles():

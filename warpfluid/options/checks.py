@@ -68,6 +68,7 @@ RANGES = {
     "flame_fade": (0, 100),
     # what stands in the box
     "radius": (1e-3, 1000),
+    "size": (1e-3, 1000),
     "soft_edge": (0, 100),
     "density": (0, 1e6),
     "temperature": (-100, 100),

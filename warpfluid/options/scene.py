@@ -115,7 +115,10 @@ def parse_thing(kind: str, text: str):
     Raises:
         ValueError: If a name or a value is wrong; one line each.
     """
-    first, *rest = shlex.split(text) or [""]
+    try:
+        first, *rest = shlex.split(text) or [""]
+    except ValueError as error:
+        raise ValueError(f"--{kind} {text!r}: a quotation mark is not closed") from error
     table = {"kind" if kind == "force" else "shape": first}
     for part in rest:
         name, equals, value = part.partition("=")
