@@ -82,8 +82,6 @@ class SimulateSettings:
         """Return plain tables with whole paths; options that are None are left out, as TOML has no such value."""
         made = {name: _table(getattr(self, name)) for name in ("simulate", "output")}
         made |= {kind: [_table(thing) for thing in getattr(self.scene, kind)] for kind in THINGS}
-        for thing in (thing for kind in THINGS for thing in made[kind] if "mesh" in thing):
-            thing["mesh"] = _whole_path(thing["mesh"])
         place = {"source": _whole_path(self.source)} if self.source else {"size": list(self.size or ())}
         return {**place, **{name: table for name, table in made.items() if table}}
 
@@ -106,7 +104,8 @@ def make_simulate_settings(
         source: A run or volumes; that of the configuration when None.
         method: Flags with the names of ``SimulateOptions``; None where not given. May be None altogether.
         output: The same for ``OutputOptions``.
-        things: Lines of the command line by kind (``THINGS``); they are added to those of the configuration.
+        things: Lines of the command line by kind (``THINGS``); they are added to those of the configuration, unless
+            they are there already: a command may be said again with ``--resume``.
         size: Width and height of an empty box.
         preset: Name of a preset; its emitters count where there is no source.
         paper: Make the paper's choices.
@@ -129,16 +128,24 @@ def make_simulate_settings(
         below = source_output or {} if name == "output" else {}
         values = below | document.get(name, {}) | above[name] | given
         made[name] = problems.attempt(lambda options=options, values=values: options(**values))
-    scene = {}
-    for kind in THINGS:
-        tables = [*document.get(kind, ()), *(() if source else ready.get(kind, ()))]
-        found = [problems.attempt(lambda t=t, kind=kind: make_thing(kind, t, where=f"[[{kind}]] ")) for t in tables]
-        found += [problems.attempt(parse_thing, kind, line) for line in things.get(kind) or ()]
-        scene[kind] = tuple(found)
+    scene = _make_scene(document, {} if source else ready, things, problems)
     problems.raise_if_any()
     if source is None:
         size = size or tuple(document.get("size", ())) or (96, 144)
-    return SimulateSettings(source=source, size=size, scene=Scene(**scene), **made)
+    return SimulateSettings(source=source, size=size, scene=scene, **made)
+
+
+def _make_scene(document: dict, ready: dict, lines: dict[str, list[str] | None], problems: Problems) -> Scene:
+    """Return what is in the box: of the configuration, and of a preset and the command line what is not there yet."""
+    scene = {}
+    for kind in THINGS:
+        make = lambda table, kind=kind: _with_whole_path(make_thing(kind, table, where=f"[[{kind}]] "))  # noqa: E731
+        parse = lambda line, kind=kind: _with_whole_path(parse_thing(kind, line))  # noqa: E731
+        there = [problems.attempt(make, table) for table in document.get(kind, ())]
+        added = [problems.attempt(make, table) for table in ready.get(kind, ())]
+        added += [problems.attempt(parse, line) for line in lines.get(kind) or ()]
+        scene[kind] = (*there, *(thing for thing in added if thing not in there))
+    return Scene(**scene)
 
 
 def make_settings(
@@ -288,6 +295,10 @@ def _like(name: str, known) -> str:
 def _whole_view(view: str) -> str:
     angle_deg, path = parse_view(view)
     return f"{angle_deg:.15g}={_whole_path(path)}"
+
+
+def _with_whole_path(thing):
+    return dataclasses.replace(thing, mesh=_whole_path(thing.mesh)) if getattr(thing, "mesh", None) else thing
 
 
 def _whole_path(path: str) -> str:

@@ -96,7 +96,22 @@ def _settle(asked: Asked, paper: bool, config: Path | None) -> tuple[SimulateSet
         raise ValueError("there is nothing to simulate: name a run or volumes, a --preset, or an --emitter")
     if len(source.frames) > 1 and settings.simulate.time_scale != 1:
         raise ValueError("time-scale is not 1, but a sequence is followed frame by frame: leave it at 1")
+    _check_scene(settings, source)
     return settings, source
+
+
+def _check_scene(settings: SimulateSettings, source: Source) -> None:
+    """Refuse things that cannot be built, such as a mesh whose file is damaged, before any work is done."""
+    from warpfluid.simulation.placing import Placing
+
+    placing, problems, scene = Placing(source.shape, source.reference), Problems(), settings.scene
+    for emitter in scene.emitter:
+        problems.attempt(placing.emitter, emitter, 0.0, where="--emitter: ")
+    for obstacle in scene.obstacle:
+        problems.attempt(placing.solid, obstacle, 0.0, 0.0, where="--obstacle: ")
+    for body in scene.body:
+        problems.attempt(placing.body, body, 0.0, where="--body: ")
+    problems.raise_if_any()
 
 
 def _frames(settings: SimulateSettings, source: Source) -> tuple[int, ...]:

@@ -56,8 +56,6 @@ class Source:
             OSError: If it cannot be read.
         """
         volume = _read(self.files[frame]) * np.float32(self.scale)
-        if not np.isfinite(volume).all() or volume.min() < 0:
-            raise ValueError(f"{self.files[frame]}: the density is negative or not finite, it must be 0 or more")
         volume = _fit(_resample(volume, self.resolution_scale), self.shape)
         if volume is None:
             raise ValueError(f"{self.files[frame]}: the volume is larger than that of frame {self.frames[0]}")
@@ -121,10 +119,13 @@ def find_volumes(path: Path) -> dict[int, Path]:
     found = [file for file in found if file.suffix in ENDINGS]
     if not found:
         raise ValueError(f"{path} has no volumes: name a run, or a folder, pattern or file of .vdb or .npz volumes")
+    names = sorted({_LAST.sub("####", file.stem) + file.suffix for file in found})
+    if len(names) > 1:
+        raise ValueError(f"{path} has several sequences, {', '.join(names[:4])}: choose one with a pattern")
     numbers = [int(match[0]) if (match := _LAST.search(file.stem)) else 1 for file in found]
     files = dict(sorted(zip(numbers, found, strict=True)))
     if len(files) < len(found):
-        raise ValueError(f"{path} has several volumes of one frame: choose a sequence with a pattern, name.####.vdb")
+        raise ValueError(f"{path} has several volumes of one frame: leave one of them")
     return files
 
 
@@ -138,6 +139,8 @@ def _read(path: Path) -> np.ndarray:
     density = read_npz(path)[0] if path.suffix == ".npz" else read_vdb(path, ["density"]).grids["density"]
     if density.ndim != 3:
         raise ValueError(f"{path}: density has shape {density.shape}, expected one number a voxel")
+    if not np.isfinite(density).all() or density.min() < 0:
+        raise ValueError(f"{path}: the density is negative or not finite, it must be 0 or more")
     return np.ascontiguousarray(density.transpose(0, 2, 1), np.float32)
 
 
