@@ -115,14 +115,14 @@ class Animator:
             ValueError: If the simulation grows out of bounds, or a volume of the source cannot be read.
             OSError: If a file cannot be read or written.
         """
-        done = load_state(run, self.state, self.bodies) if resume else None
-        for number, frame in enumerate(self.frames):
-            if done is not None and frame <= done:
+        last = load_state(run, self.state, self.bodies) if resume else None
+        for frame in self.frames:
+            if last is not None and frame <= last:
                 continue
             begin, steps = time.perf_counter(), 0
             try:
-                if number:
-                    steps = self.advance(self.frames[number - 1], frame)
+                if last is not None:
+                    steps = self.advance(last, frame)
                 else:
                     for early in range(self.animation.options.preroll, 0, -1):
                         steps += self.advance(frame - early, frame - early + 1, follows=False)
@@ -130,6 +130,7 @@ class Animator:
             except FloatingPointError as error:
                 raise ValueError(f"frame {frame}: {describe(error)}; {self._cause(frame)}") from error
             yield self._write(run, frame, steps, begin)
+            last = frame
 
     def advance(self, frame: int, later: int, *, follows: bool = True) -> int:
         """Simulate from one frame to another; return how many solver steps were made."""
