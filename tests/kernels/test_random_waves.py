@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from warpfluid.kernels.random_waves import NODES_A_WAVE, TILE, curl_size, draw_tiles, lay_lattice, make_waves
+from warpfluid.kernels.random_waves import NODES_A_WAVE, TILE, curl_size, draw_tiles, lay_lattice, make_waves, window
 from warpfluid.kernels.turbulence import FINEST
 
 
@@ -54,3 +54,29 @@ def test_waves_lie_within_an_octave():
     assert length.max() < 2**0.5
     spread = (waves.power * waves.cycles**2).sum(1)
     np.testing.assert_allclose(spread, spread.mean(), rtol=0.02)
+
+
+@pytest.mark.parametrize("nodes", [(64, 64, 64), (20, 33, 7)])
+def test_part_of_a_lattice_is_what_the_whole_has_there(nodes):
+    """Leaving out nodes and frequencies without waves changes no bit."""
+    waves = make_waves(nodes, (1.0,) * 3, 3, 0)
+    wanted = (np.arange(-3, 5) % nodes[0], np.arange(4, 9), np.array([6, 0, 1]))
+    whole = draw_tiles(nodes, waves, 0.3)
+    np.testing.assert_array_equal(draw_tiles(nodes, waves, 0.3, wanted), whole[np.ix_(range(3), *wanted)])
+    half = np.zeros((3, *nodes[:2], nodes[2] // 2 + 1), complex)
+    half.reshape(3, -1)[:, waves.index] = waves.amplitude * np.exp(0.3j * waves.pace)
+    expected = np.fft.irfftn(half, s=nodes, axes=(1, 2, 3), norm="forward")
+    np.testing.assert_allclose(whole, expected, atol=1e-5 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("first", [-7.3, -2.0, 0.0, 5.99])
+def test_window_holds_all_nodes_of_splines(first):
+    """Two on either side of every element; the whole lattice when they are many."""
+    begin, nodes = window(first, 1.7, 20, 128)
+    places = np.floor(first + np.arange(20) / 1.7).astype(int)
+    needed = places[:, None] + np.arange(-1, 3)
+    assert begin <= needed.min()
+    assert needed.max() < begin + len(nodes)
+    np.testing.assert_array_equal(nodes, np.arange(begin, begin + len(nodes)) % 128)
+    assert window(first, 1.7, 20, 12)[0] == 0
+    np.testing.assert_array_equal(window(first, 1.7, 20, 12)[1], np.arange(12))

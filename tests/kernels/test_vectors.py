@@ -128,3 +128,12 @@ def test_inverse_root(device):
     """And 0 where there is nothing to take it of."""
     found = vectors.inverse_root(wp.array(np.float32([4, 0, -1, 0.25]), device=device), out=wp.zeros(4, device=device))
     np.testing.assert_allclose(found.numpy(), [0.5, 0, 0, 2])
+
+
+def test_large_arrays_are_handled_whole(device):
+    """They are cut into ranges for threads, the last one shorter."""
+    a = np.arange(600_001, dtype=np.float32)
+    field = wp.array(a, dtype=float, device=device)
+    out = wp.zeros_like(field)
+    np.testing.assert_array_equal(vectors.add_scaled(field, 2.0, field, out=out).numpy(), 3 * a)
+    np.testing.assert_array_equal(vectors.add_scaled(field, -1.0, field, out=field).numpy(), 0 * a)

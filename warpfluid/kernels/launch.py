@@ -30,6 +30,7 @@ RUN_OF_HEIGHTS = f"""
 
 _ROWS_A_JOB = 16
 _ROWS_OF_WHOLE_COLUMNS_A_JOB = 4
+_ELEMENTS_A_JOB = 1 << 18
 
 
 def run_count(heights: int, device: wp.Device) -> int:
@@ -93,7 +94,7 @@ def elementwise(kernel: wp.Kernel, inputs: list, out: wp.array) -> wp.array:
     """Launch a kernel over all elements of arrays of one shape.
 
     Args:
-        kernel: Takes ``inputs`` and ``out``; its thread index is an element of flat arrays.
+        kernel: Takes ``inputs`` and ``out``; its thread index is an element of flat arrays, or of a range of them.
         inputs: Arrays of the shape of ``out``, and numbers.
         out: Array to write; it may be one of the inputs.
 
@@ -108,5 +109,16 @@ def elementwise(kernel: wp.Kernel, inputs: list, out: wp.array) -> wp.array:
     checks.floats(out.ndim, out=out, **arrays)
     checks.same_shape(out=out, **arrays)
     flat = [value.flatten() if isinstance(value, wp.array) else value for value in inputs]
-    wp.launch(kernel, dim=out.size, inputs=flat, outputs=[out.flatten()], device=device)
+    to = out.flatten()
+    if device.is_cuda or out.size <= _ELEMENTS_A_JOB:
+        wp.launch(kernel, dim=out.size, inputs=flat, outputs=[to], device=device)
+        return out
+    kernel.module.load(device)
+
+    def work(begin):
+        part = slice(begin, min(begin + _ELEMENTS_A_JOB, out.size))
+        some = [value[part] if isinstance(value, wp.array) else value for value in flat]
+        wp.launch(kernel, dim=part.stop - begin, inputs=some, outputs=[to[part]], device=device)
+
+    list(_pool(thread_count()).map(work, range(0, out.size, _ELEMENTS_A_JOB)))
     return out

@@ -7,6 +7,8 @@ which splines then join smoothly.
 """
 
 import functools
+import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -95,11 +97,42 @@ def make_waves(nodes: tuple[int, int, int], stretch: tuple[float, float, float],
     return Waves(index, cycles, amplitude, shape**2 * np.where(level, 1, 2), PACE * draws[..., 2])
 
 
-def draw_tiles(nodes: tuple[int, int, int], waves: Waves, phase: float) -> np.ndarray:
-    """Return spline coefficients of the three components of the waves at a moment, float32 (3, x, z, y)."""
+def draw_tiles(
+    nodes: tuple[int, int, int], waves: Waves, phase: float, wanted: Sequence[np.ndarray] | None = None
+) -> np.ndarray:
+    """Return spline coefficients of the three components of the waves at a moment, float32 (3, x, z, y).
+
+    An inverse transform, axis after axis; frequencies without waves and nodes that nobody wants are left out.
+
+    Args:
+        nodes: Of the lattice.
+        waves: Of one octave, on this lattice.
+        phase: How far the pattern has moved on.
+        wanted: Which nodes to return along x, z and y; all by default.
+    """
+    x, z, y = (slice(None),) * 3 if wanted is None else wanted
     half = np.zeros((3, *nodes[:2], nodes[2] // 2 + 1), np.complex64)
     half.reshape(3, -1)[:, waves.index] = waves.amplitude * np.exp(1j * phase * waves.pace)
-    return np.fft.irfftn(half, s=nodes, axes=(1, 2, 3), norm="forward")
+    highest = int((waves.index % half.shape[3]).max(initial=0))
+    part = np.fft.ifft(half[..., : highest + 1], axis=1, norm="forward")[:, x]
+    part = np.fft.ifft(part, axis=2, norm="forward")[:, :, z]
+    return np.fft.irfft(part, nodes[2], axis=3, norm="forward")[..., y]
+
+
+def window(first: float, spacing: float, count: int, nodes: int) -> tuple[int, np.ndarray]:
+    """Return which nodes of a periodic lattice splines need along an axis.
+
+    Args:
+        first: Where the first of the elements lies [node].
+        spacing: Of the nodes [element].
+        count: How many elements there are.
+        nodes: Of the lattice before it repeats.
+
+    Returns:
+        The node that the window begins with, and its nodes on the lattice; all of them, from 0, if many are needed.
+    """
+    begin, end = math.floor(first) - 2, math.floor(first + (count - 1) / spacing) + 4
+    return (begin, np.arange(begin, end) % nodes) if end - begin < nodes else (0, np.arange(nodes))
 
 
 def curl_size(waves: Waves, frequency: float) -> float:

@@ -4,6 +4,7 @@ The waves are a potential on the edges of the voxels. The curl takes differences
 these cancel, so that the force has no divergence for the pressure step to undo.
 """
 
+import functools
 import math
 
 import numpy as np
@@ -12,7 +13,7 @@ import warp as wp
 from warpfluid.kernels.edges import add_curl, mask_edges
 from warpfluid.kernels.faces import check_faces
 from warpfluid.kernels.lattice import interpolate
-from warpfluid.kernels.random_waves import curl_size, draw_tiles, lay_lattice, make_waves
+from warpfluid.kernels.random_waves import Lattice, Waves, curl_size, draw_tiles, lay_lattice, make_waves, window
 from warpfluid.kernels.sides import SIX, WRAP
 
 FINEST = 0.25  # [cycles/voxel]: a wave of four voxels; finer ones the grid does not carry
@@ -87,20 +88,30 @@ def _potentials(
     frequencies = [f for f in frequencies if f <= FINEST] or [FINEST]
     total = math.hypot(*(FADE**octave for octave in range(len(frequencies))))
     for octave, f in enumerate(frequencies):
-        lattice = lay_lattice(cells, f, wraps)
-        waves = make_waves(lattice.nodes, lattice.stretch(f), seed, octave)
-        size = curl_size(waves, f)
+        lattice, waves, size = _octave(cells, f, wraps, seed, octave)
         if size == 0:
             continue  # no such wave fits into a box that wraps
-        tiles = draw_tiles(lattice.nodes, waves, phase * HASTE**octave)
+        corner = -np.array([cells[0] / 2, cells[1] / 2, 0.0]) / lattice.spacing
+        windows = [window(*of) for of in zip(corner, lattice.spacing, np.add(cells, 2), lattice.nodes, strict=True)]
+        begin, wanted = zip(*windows, strict=True)
+        tiles = draw_tiles(lattice.nodes, waves, phase * HASTE**octave, wanted)
         for axis, potential in enumerate(potentials):
-            shift = np.where(np.arange(3) == axis, 0.0, 0.5)
-            middle = np.array([cells[0] / 2 - 0.5, cells[1] / 2 - 0.5, -0.5])
-            first = -(shift + middle) / lattice.spacing
+            shift = np.where(np.arange(3) == axis, 0.5, 0.0)
+            first = corner + shift / lattice.spacing - begin
             tile = wp.array(tiles[axis], dtype=float, device=device)
             gain = strength * FADE**octave / total / size
             interpolate(tile, first=first, spacing=lattice.spacing, gain=gain, out=potential)
     return potentials
+
+
+@functools.lru_cache(maxsize=8)
+def _octave(
+    cells: tuple[int, int, int], frequency: float, wraps: tuple[bool, bool, bool], seed: int, octave: int
+) -> tuple[Lattice, Waves, float]:
+    """Return the lattice of an octave, its waves, and the size of their curl."""
+    lattice = lay_lattice(cells, frequency, wraps)
+    waves = make_waves(lattice.nodes, lattice.stretch(frequency), seed, octave)
+    return lattice, waves, curl_size(waves, frequency)
 
 
 def _check_numbers(frequency: float, octaves: int, seed: int) -> None:

@@ -2,18 +2,16 @@
 
 import numpy as np
 import warp as wp
-from scipy.ndimage import maximum_filter
 
 from warpfluid.files.bodies import read_bodies, write_bodies
 from warpfluid.options import OutputOptions
-from warpfluid.run import Run
+from warpfluid.run import BODIES, Run
 from warpfluid.simulation.placing import Placing
 from warpfluid.simulation.rigid_body import RigidBody
 from warpfluid.simulation.source import Source
 from warpfluid.simulation.state import Faces, FluidState
 
-RIM = 5  # voxels across a box around each voxel of fluid in which motion and heat are stored
-BODIES = "bodies.json"
+RIM = 2  # voxels around fluid, along each axis, in which motion and heat are stored
 
 
 def grids_of(
@@ -25,14 +23,27 @@ def grids_of(
     stored where there is fluid, and a little around it.
     """
     density = state.density.numpy() / np.float32(source.scale)
-    near = maximum_filter(density > output.drop_below * density.max(), RIM)
+    near = widen(density > output.drop_below * density.max(), RIM)
     names = ["temperature", *(("fuel", "flame") if burns else ())]
     full = {"temperature": 1.0, "fuel": source.scale, "flame": placing.reference}
     grids = {name: np.where(near, getattr(state, name).numpy() / np.float32(full[name]), 0) for name in names}
-    voxel = output.voxel_size
-    x, z, y = (part * np.float32(voxel) for part in centred(state.velocity))
-    grids["velocity"] = np.where(near[..., None], np.stack([x, y, z], axis=-1), 0)
-    return density, {name: grid.astype(np.float32) for name, grid in grids.items()}
+    grids["velocity"] = np.zeros((*near.shape, 3), np.float32)
+    x, z, y = (part * np.float32(output.voxel_size) for part in centred(state.velocity))
+    for component, part in enumerate((x, y, z)):
+        np.copyto(grids["velocity"][..., component], part, where=near)
+    return density, {name: grid.astype(np.float32, copy=False) for name, grid in grids.items()}
+
+
+def widen(mask: np.ndarray, voxels: int) -> np.ndarray:
+    """Return a mask grown by some voxels along each axis."""
+    for axis in range(mask.ndim):
+        grown = mask.copy()
+        to, source = np.moveaxis(grown, axis, 0), np.moveaxis(mask, axis, 0)
+        for far in range(1, voxels + 1):
+            to[far:] |= source[:-far]
+            to[:-far] |= source[far:]
+        mask = grown
+    return mask
 
 
 def centred(velocity: Faces) -> list[np.ndarray]:

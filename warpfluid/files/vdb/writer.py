@@ -3,6 +3,7 @@
 import struct
 import zlib
 from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Literal
 
@@ -16,6 +17,7 @@ COMPRESSION = layout.ZIP | layout.ACTIVE_MASK
 LIBRARY = (10, 0)  # the OpenVDB whose layout this is
 NO_OFFSETS = struct.pack("<3q", 0, 0, 0)
 LARGEST_HALF = 65504.0
+LEAVES_A_JOB = 64  # packed by one thread: zlib lets others work meanwhile
 
 
 def write_vdb(
@@ -158,10 +160,17 @@ def _buffers(leaves: Leaves, half: bool) -> Iterator[bytes]:
     masks = np.packbits(leaves.active, axis=-1, bitorder="little").tobytes()
     values = leaves.values.astype("<f2" if half else "<f4")
     ends = np.cumsum(leaves.active.sum(-1)) * values.itemsize * values.shape[1]
-    values, start = values.tobytes(), 0
-    for row, end in enumerate(ends.tolist()):
-        yield masks[64 * row : 64 * row + 64] + b"\0" + _zip(values[start:end])
-        start = end
+    values = values.tobytes()
+    ends = [0, *ends.tolist()]
+
+    def pack(first: int) -> bytes:
+        rows = range(first, min(first + LEAVES_A_JOB, len(ends) - 1))
+        return b"".join(
+            masks[64 * row : 64 * row + 64] + b"\0" + _zip(values[ends[row] : ends[row + 1]]) for row in rows
+        )
+
+    with ThreadPoolExecutor() as pool:
+        yield from pool.map(pack, range(0, len(ends) - 1, LEAVES_A_JOB))
 
 
 def _zip(data: bytes) -> bytes:
