@@ -22,7 +22,9 @@ from warpfluid.options import OutputOptions
 from warpfluid.settings import Settings, check_same, join_frames, read_settings
 
 SETTINGS, RECORDS, FILM, PAGE = "run.toml", "frames.jsonl", "turntable.mp4", "report.html"
+CHECKPOINT, BODIES = "checkpoint.npz", "bodies.json"  # of a simulation
 VOLUMES = "density.*.vdb"
+MADE = (RECORDS, FILM, PAGE, CHECKPOINT, BODIES)
 PACKAGES = ("warp-lang", "numpy", "scipy", "scikit-image", "OpenEXR", "av")
 
 
@@ -122,7 +124,7 @@ class Run:
             join_frames(old, document)
         self._make_folder()
         if overwrite:
-            for path in (*self.folder.glob(VOLUMES), *(self.folder / name for name in (RECORDS, FILM, PAGE))):
+            for path in (*self.folder.glob(VOLUMES), *(self.folder / name for name in MADE)):
                 path.unlink(missing_ok=True)
         kept = self._keep_whole() if resume else {}
         _write_toml(self.folder / SETTINGS, document)

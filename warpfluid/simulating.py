@@ -53,9 +53,11 @@ def simulate(
     settings, source = made
     if settings.source and Path(settings.source).expanduser().resolve() == out.resolve():
         raise ValueError(f"{out} is the source itself: choose another folder with -o")
-    frames = _frames(settings, source)
+    frames = _frames(settings.simulate.frames, source)
     facts = {"device": str(device), "angles": list(source.angles_deg), "inputs": source.identities()}
     kept = run.begin(settings, facts, resume=resume, overwrite=overwrite)
+    if resume:  # with those of the parts that were asked for before
+        frames = _frames(run.settings()["simulate"].get("frames"), source)
     size = "x".join(map(str, _sizes(source)))
     log.line(f"source  {settings.source or 'an empty box'}: {size} voxels, {len(frames)} frames")
     failed = _animate(run, settings, source, frames, device, resume and _continues(run, frames, kept), log)
@@ -114,11 +116,11 @@ def _check_scene(settings: SimulateSettings, source: Source) -> None:
     problems.raise_if_any()
 
 
-def _frames(settings: SimulateSettings, source: Source) -> tuple[int, ...]:
+def _frames(text: str | None, source: Source) -> tuple[int, ...]:
     """Return the frames to write."""
-    if settings.simulate.frames is None:
+    if text is None:
         return source.frames if len(source.frames) > 1 else tuple(range(*_usual(source)))
-    frames = tuple(parse_frames(settings.simulate.frames))
+    frames = tuple(parse_frames(text))
     if source.files and frames[0] not in source.files:
         have = f"{source.frames[0]} to {source.frames[-1]}"
         raise ValueError(f"frames begin with {frames[0]}, which the source has not (it has {have})")
@@ -135,7 +137,7 @@ def _continues(run: Run, frames: tuple[int, ...], kept: dict) -> bool:
     from warpfluid.simulation.checkpoint import checkpoint_frame
 
     last = checkpoint_frame(run)
-    return last is not None and {frame for frame in frames if frame <= last} <= set(kept)
+    return last is not None and frames[0] <= last and {frame for frame in frames if frame <= last} <= set(kept)
 
 
 def _animate(run: Run, settings: SimulateSettings, source: Source, frames, device, resume: bool, log: Progress) -> dict:

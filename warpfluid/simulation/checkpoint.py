@@ -7,11 +7,10 @@ import numpy as np
 import warp as wp
 
 from warpfluid.files.atomic import replacing
-from warpfluid.run import Run
+from warpfluid.run import CHECKPOINT, Run
 from warpfluid.simulation.rigid_body import RigidBody
 from warpfluid.simulation.state import Faces, FluidState
 
-CHECKPOINT = "checkpoint.npz"
 CELLS = ("density", "temperature", "fuel", "flame")
 DAMAGE = (KeyError, OSError, ValueError, EOFError)
 
