@@ -2,7 +2,8 @@
 
 Along one axis the Laplacian is a small symmetric matrix whose ends say what the two sides are, so its eigenvectors
 are the sines, cosines or Fourier modes that fit the sides (Buzbee, Golub and Nielson 1970). Changing basis is a matrix
-product, which is faster here than a fast transform: a fluid is a few hundred voxels wide, often a prime number.
+product, which is faster here than a fast transform: a fluid is a few hundred voxels wide, often a prime number. Few
+large products are made, no small ones: threads of a BLAS wait for each other in each.
 """
 
 import functools
@@ -10,8 +11,6 @@ import functools
 import numpy as np
 
 from warpfluid.kernels.sides import CLOSED, OPEN, SIX, WRAP
-
-ZERO = 1e-9  # an eigenvalue below is that of the constant; the next is (pi / n)^2
 
 
 @functools.lru_cache(maxsize=16)
@@ -23,14 +22,18 @@ def diagonalise(n: int, low: int, high: int) -> tuple[np.ndarray, np.ndarray]:
         low: What the side below the first is: OPEN (pressure 0 on the side itself), CLOSED or WRAP.
         high: What the side above the last is.
     """
-    matrix = 2.0 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
-    for end, side in ((0, low), (n - 1, high)):
-        matrix[end, end] += {OPEN: 1.0, CLOSED: -1.0, WRAP: 0.0}[side]
+    mode, place = np.arange(n), np.arange(n)[:, None] + 0.5
     if low == WRAP:
-        matrix[0, n - 1] -= 1.0
-        matrix[n - 1, 0] -= 1.0
-    values, vectors = np.linalg.eigh(matrix)
-    return vectors.astype(np.float32), np.where(values < ZERO, 0.0, values).astype(np.float32)
+        turns = 2 * np.pi / n * ((mode + 1) // 2)  # a cosine and a sine each; as many of them as there are voxels
+        vectors = np.where(mode % 2, np.cos(turns * place), np.sin(turns * place))
+        vectors[:, 0] = 1.0
+        if n % 2 == 0:
+            vectors[:, -1] = (-1.0) ** mode
+    else:
+        turns = np.pi / n * (mode + {(OPEN, OPEN): 1.0, (CLOSED, CLOSED): 0.0}.get((low, high), 0.5))
+        vectors = (np.sin if low == OPEN else np.cos)(turns * place)
+    vectors /= np.linalg.norm(vectors, axis=0)
+    return vectors.astype(np.float32), (2.0 - 2.0 * np.cos(turns)).astype(np.float32)
 
 
 def solve(divergence: np.ndarray, sides: SIX, scratch: np.ndarray) -> np.ndarray:
@@ -44,19 +47,21 @@ def solve(divergence: np.ndarray, sides: SIX, scratch: np.ndarray) -> np.ndarray
     Returns:
         The pressure; in ``divergence`` or ``scratch``.
     """
-    nx, _, ny = divergence.shape
+    nx, nz, ny = divergence.shape
     (x, values_x), (z, values_z), (y, values_y) = (
         diagonalise(n, int(sides[2 * axis]), int(sides[2 * axis + 1])) for axis, n in enumerate(divergence.shape)
     )
     a, b = divergence, scratch
     np.matmul(x.T, a.reshape(nx, -1), out=b.reshape(nx, -1))
-    np.matmul(z.T, b, out=a)
-    np.matmul(a.reshape(-1, ny), y, out=b.reshape(-1, ny))
-    plane = values_z[:, None] + values_y
-    for slab, value in zip(b, values_x, strict=True):
+    np.copyto(a.reshape(nz, nx, ny), b.transpose(1, 0, 2))
+    np.matmul(z.T, a.reshape(nz, -1), out=b.reshape(nz, -1))
+    np.matmul(b.reshape(-1, ny), y, out=a.reshape(-1, ny))
+    plane = values_x[:, None] + values_y
+    for slab, value in zip(a.reshape(nz, nx, ny), values_z, strict=True):
         total = plane + value
         slab *= np.divide(-1.0, total, out=np.zeros_like(total), where=total > 0.0)
-    np.matmul(b.reshape(-1, ny), y.T, out=a.reshape(-1, ny))
-    np.matmul(z, a, out=b)
+    np.matmul(a.reshape(-1, ny), y.T, out=b.reshape(-1, ny))
+    np.matmul(z, b.reshape(nz, -1), out=a.reshape(nz, -1))
+    np.copyto(b, a.reshape(nz, nx, ny).transpose(1, 0, 2))
     np.matmul(x, b.reshape(nx, -1), out=a.reshape(nx, -1))
     return a
