@@ -11,7 +11,7 @@ from warpfluid.errors import Problems, describe
 from warpfluid.files.sequences import parse_frames
 from warpfluid.presets import preset_names, preset_settings
 from warpfluid.progress import Progress
-from warpfluid.run import FILM, Run
+from warpfluid.run import FILM, SETTINGS, Run
 from warpfluid.settings import SimulateSettings, make_simulate_settings, read_settings
 from warpfluid.simulation.source import Source, open_source
 
@@ -53,11 +53,9 @@ def simulate(
     settings, source = made
     if settings.source and Path(settings.source).expanduser().resolve() == out.resolve():
         raise ValueError(f"{out} is the source itself: choose another folder with -o")
-    frames = _frames(settings.simulate.frames, source)
+    frames = _frames(_joined(run, settings.simulate.frames) if resume else settings.simulate.frames, source)
     facts = {"device": str(device), "angles": list(source.angles_deg), "inputs": source.identities()}
     kept = run.begin(settings, facts, resume=resume, overwrite=overwrite)
-    if resume:  # with those of the parts that were asked for before
-        frames = _frames(run.settings()["simulate"].get("frames"), source)
     size = "x".join(map(str, _sizes(source)))
     log.line(f"source  {settings.source or 'an empty box'}: {size} voxels, {len(frames)} frames")
     failed = _animate(run, settings, source, frames, device, resume and _continues(run, frames, kept), log)
@@ -114,6 +112,14 @@ def _check_scene(settings: SimulateSettings, source: Source) -> None:
     for body in scene.body:
         problems.attempt(placing.body, body, 0.0, where="--body: ")
     problems.raise_if_any()
+
+
+def _joined(run: Run, text: str | None) -> str | None:
+    """Return frames together with those of the parts of a run that were asked for before."""
+    if not (run.folder / SETTINGS).is_file():
+        return text
+    earlier = run.settings().get("simulate", {}).get("frames")
+    return f"{earlier},{text}" if earlier and text else None
 
 
 def _frames(text: str | None, source: Source) -> tuple[int, ...]:

@@ -1,6 +1,8 @@
 """The state of a simulation on disk, so that it goes on bit for bit."""
 
 import io
+import zipfile
+import zlib
 from collections.abc import Sequence
 
 import numpy as np
@@ -12,7 +14,7 @@ from warpfluid.simulation.rigid_body import RigidBody
 from warpfluid.simulation.state import Faces, FluidState
 
 CELLS = ("density", "temperature", "fuel", "flame")
-DAMAGE = (KeyError, OSError, ValueError, EOFError)
+DAMAGE = (KeyError, OSError, ValueError, EOFError, TypeError, zipfile.BadZipFile, zlib.error)
 
 
 def save_state(run: Run, frame: int, state: FluidState, bodies: Sequence[RigidBody]) -> None:
@@ -29,7 +31,7 @@ def save_state(run: Run, frame: int, state: FluidState, bodies: Sequence[RigidBo
 def checkpoint_frame(run: Run) -> int | None:
     """Return the frame of a run's checkpoint, None if there is none or it is damaged."""
     try:
-        with np.load(run.folder / CHECKPOINT, allow_pickle=False) as arrays:
+        with (run.folder / CHECKPOINT).open("rb") as file, np.load(file, allow_pickle=False) as arrays:
             return int(arrays["frame"])
     except DAMAGE:
         return None
