@@ -6,8 +6,8 @@ import tomllib
 import pytest
 import tomli_w
 
-from warpfluid.options import ReconstructOptions
-from warpfluid.settings import make_settings, read_settings
+from warpfluid.options import EmitterOptions, ReconstructOptions
+from warpfluid.settings import make_settings, make_simulate_settings, read_settings
 
 
 @dataclasses.dataclass
@@ -63,3 +63,100 @@ def test_everything_wrong_in_a_file(tmp_path):
     assert len(lines) == 4
     assert all(line.startswith(f"{tmp_path / 'c.toml'}: ") for line in lines)
     assert any("did you mean white?" in line for line in lines)
+
+
+@dataclasses.dataclass
+class SimulateFlags:
+    """Flags of simulate; None was not given."""
+
+    swirl: float | None = None
+    blend: float | None = None
+
+
+@dataclasses.dataclass
+class LookFlags:
+    """A flag of the output."""
+
+    look: str | None = None
+
+
+def simulate(source=None, config=None, lines=(), output=None, **more):
+    """Return settings of a simulation; ``lines`` are those of emitters."""
+    flags = {name: more.pop(name) for name in ("swirl", "blend") if name in more}
+    method = SimulateFlags(**flags) if flags else None
+    things = {"emitter": list(lines), "obstacle": None, "force": None, "body": None}
+    return make_simulate_settings(source, method, output, things, config=config, **more)
+
+
+@pytest.mark.parametrize(
+    ("given", "file", "expected"),
+    [
+        ({}, {}, {"swirl": 0.0, "blend": 0.5}),
+        ({}, {"swirl": 1.0}, {"swirl": 1.0}),
+        ({"preset": "smoke"}, {"swirl": 1.0, "blend": 0.3}, {"swirl": 4.0, "blend": 0.3}),
+        ({"preset": "smoke", "swirl": 2.0}, {"swirl": 1.0}, {"swirl": 2.0}),
+        ({"paper": True}, {"blend": 0.9}, {"blend": 0.2, "order": "blend-first"}),
+        ({"paper": True, "blend": 0.7}, {"blend": 0.9}, {"blend": 0.7, "subtract": 0.0}),
+    ],
+)
+def test_order_of_a_simulation(tmp_path, monkeypatch, given, file, expected):
+    """Flags over the preset and the paper's choices over a file over the defaults."""
+    monkeypatch.setattr("warpfluid.settings.preset_settings", lambda _: {"simulate": {"swirl": 4.0}})
+    (tmp_path / "c.toml").write_text(tomli_w.dumps({"simulate": file}))
+    made = simulate("a", tmp_path / "c.toml", **given)
+    assert {name: getattr(made.simulate, name) for name in expected} == expected
+
+
+def test_the_source_decides_how_files_are_stored(tmp_path):
+    """Unless a file or a flag says otherwise."""
+    (tmp_path / "c.toml").write_text('[output]\nup = "y"')
+    stored = {"up": "z", "half": True, "look": "gray"}
+    assert simulate("a", source_output=stored).output.up == "z"
+    made = simulate("a", tmp_path / "c.toml", source_output=stored, output=LookFlags(look="jet")).output
+    assert (made.up, made.half, made.look) == ("y", True, "jet")
+
+
+def test_things_add_up(tmp_path):
+    """Of the file, of the preset where there is no source, and of the command line; none is put in twice."""
+    one, two = EmitterOptions(density=1.0), EmitterOptions(shape="box", density=2.0)
+    (tmp_path / "c.toml").write_text('[[emitter]]\ndensity = 1\n[[obstacle]]\nshape = "box"')
+    lines = ["sphere density=1", "box density=2"]
+    assert simulate("a", lines=lines).scene.emitter == (one, two)
+    assert simulate("a", tmp_path / "c.toml", lines=lines).scene.emitter == (one, two)
+    assert simulate("a", tmp_path / "c.toml").scene.obstacle[0].shape == "box"
+    assert len(simulate(None, preset="smoke", lines=lines).scene.emitter) == 3
+    assert len(simulate("a", preset="smoke", lines=lines).scene.emitter) == 2
+
+
+def test_documents_of_simulations_come_back(tmp_path, monkeypatch):
+    """What is written to TOML makes the same settings, with whole paths."""
+    monkeypatch.chdir(tmp_path)
+    for source, size in (("run", None), (None, (16, 24))):
+        made = simulate(source, lines=["mesh mesh=a.obj center='1:0,1,0;9:0,2,0'"], swirl=1.0, size=size)
+        (tmp_path / "run.toml").write_text(tomli_w.dumps(made.to_dict()))
+        again = simulate(None, tmp_path / "run.toml")
+        assert again.to_dict() == made.to_dict()
+        assert again.scene.emitter[0].mesh == str(tmp_path / "a.obj")
+        assert (again.source, again.size) == ((str(tmp_path / "run"), None) if source else (None, (16, 24)))
+
+
+def test_everything_wrong_in_a_file_of_a_simulation(tmp_path):
+    """A line each, with what is expected."""
+    (tmp_path / "c.toml").write_text(
+        "source = 3\nsize = [1]\n[simulate]\nswirll = 1\nblend = 2\n[[emitter]]\nfuel = -1\n[[body]]\ncolour = 1\n"
+        "[force]"
+    )
+    with pytest.raises(ValueError, match=r".") as error:
+        read_settings(tmp_path / "c.toml")
+    found = "\n".join(line.removeprefix(f"{tmp_path / 'c.toml'}: ") for line in str(error.value).splitlines())
+    for words in (
+        "source is 3, expected the path of a run or of volumes",
+        "size is [1], expected a width and a height such as [96, 144]",
+        "[simulate] has no option 'swirll'; did you mean swirl?",
+        "[simulate] blend is 2, expected 0 to 1",
+        "[[emitter]] fuel is -1, expected 0 to 1000000",
+        "[[body]] 'colour' is unknown; expected are shape, center",
+        "force is {}, expected tables [[force]]",
+    ):
+        assert words in found
+    assert len(found.splitlines()) == 7

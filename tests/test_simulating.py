@@ -140,7 +140,7 @@ def test_a_run_is_made_longer(tmp_path, straight, further):
     assert tomllib.loads((tmp_path / "out" / "run.toml").read_text())["simulate"]["frames"] == "1-6"
 
 
-@pytest.mark.parametrize("damage", ["missing", "cut off", "no frame", "a volume"])
+@pytest.mark.parametrize("damage", ["missing", "cut off", "a flipped bit", "no frame", "another size", "a volume"])
 def test_a_damaged_run_starts_anew(tmp_path, straight, damage):
     """Without a whole checkpoint, or with a volume that is gone, all frames are made again, with the same bits."""
     out = tmp_path / "out"
@@ -150,8 +150,15 @@ def test_a_damaged_run_starts_anew(tmp_path, straight, damage):
         file.unlink()
     elif damage == "cut off":
         file.write_bytes(file.read_bytes()[:-200])
+    elif damage == "a flipped bit":
+        data = file.read_bytes()
+        file.write_bytes(data[:5000] + bytes([data[5000] ^ 1]) + data[5001:])
     elif damage == "no frame":
         np.savez(file, density=np.zeros(3))
+    elif damage == "another size":
+        with np.load(file) as arrays:
+            np.savez(tmp_path / "other.npz", **{**arrays, "density": np.zeros((12, 12, 8), np.float32)})
+        (tmp_path / "other.npz").replace(file)
     else:
         (out / "density.0002.vdb").unlink()
     assert run("simulate", *PLAIN, "-o", out, "--resume", "--frames", "1-6") == 0
@@ -219,6 +226,10 @@ def test_the_source_is_never_written_over(tmp_path, fire, capsys):
         (["--preset", "fire", "--force", "vortex strength=fast"], "--force: strength is 'fast', expected a number"),
         (["gone"], "has no volumes: name a run, or a folder, pattern or file of .vdb or .npz volumes"),
         (["--config", "gone.toml"], "gone.toml does not exist"),
+        (["a", "--force", "drag", "strength=2"], "no place for 'strength=2': write what belongs together in quotes"),
+        (["--preset", "fire", "--swirl", "1", "--blend", "x"], "blend is 'x', expected a number, or keys such as"),
+        (["--preset", "fire", "--cfl", "x"], "cfl"),
+        (["--preset", "fire", "--preroll", "1.5"], "'1.5' is not a whole number"),
     ],
 )
 def test_what_is_refused(refused, flags, words):

@@ -278,6 +278,8 @@ def _usage(error: cyclopts.CycloptsError) -> str:
     """Return what is wrong with a command line, and the way out."""
     if isinstance(error, cyclopts.UnusedCliTokensError):
         rest = " ".join(error.unused_tokens or ())
+        if list(error.command_chain or ())[:1] == ["simulate"]:
+            return f"there is no place for {rest!r}: write what belongs together in quotes, --force 'drag strength=2'"
         return f"there is no place for {rest!r}: footage follows --view ANGLE=, --front or --side"
     return str(error)
 

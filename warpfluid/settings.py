@@ -107,7 +107,7 @@ def make_simulate_settings(
         things: Lines of the command line by kind (``THINGS``); they are added to those of the configuration, unless
             they are there already: a command may be said again with ``--resume``.
         size: Width and height of an empty box.
-        preset: Name of a preset; its emitters count where there is no source.
+        preset: Name of a preset; its emitters and its preroll count where there is no source.
         paper: Make the paper's choices.
         config: A configuration file or ``run.toml``.
         source_output: How the files of the source are stored.
@@ -119,6 +119,8 @@ def make_simulate_settings(
     source = source or document.get("source")
     ready = preset_settings(preset) if preset else {}
     above = {"simulate": (SIMULATE_PAPER if paper else {}) | ready.get("simulate", {})}
+    if source:
+        above["simulate"].pop("preroll", None)  # its volumes are there already
     above["output"] = ready.get("output", {})
     made = {}
     for (name, options), flags in zip(
@@ -199,7 +201,7 @@ def read_settings(path: str | Path) -> dict:
             if not isinstance(table, str):
                 problems.append(f"{path}: source is {table!r}, expected the path of a run or of volumes")
         elif name == "size":
-            if not (isinstance(table, list) and len(table) == 2 and all(isinstance(n, int) and n > 3 for n in table)):
+            if not (isinstance(table, list) and len(table) == 2 and all(isinstance(n, int) and n > 7 for n in table)):
                 problems.append(f"{path}: size is {table!r}, expected a width and a height such as [96, 144]")
         elif name != "made-with":
             expected = ", ".join(f"[{section}]" for section in SECTIONS)
