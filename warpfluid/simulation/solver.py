@@ -112,6 +112,7 @@ class Solver:
     def _carry(self, state: FluidState, frame: float, seconds: float) -> None:
         """Move everything along the velocity, and the velocity along itself."""
         names = ["density", "temperature", *(("fuel", "flame") if self.options.combustion else ())]
+        names = [name for name in names if vectors.largest(getattr(state, name))]  # what is 0 everywhere stays so
         fields = [getattr(state, name) for name in names]
         before = total(state.density) if OPEN not in tuple(self.sides) else None
         moved = advect_scalars(fields, state.velocity, self.sides, seconds, scheme=self.options.advection)
