@@ -110,6 +110,7 @@ SIMULATE_PAPER = {
     "blend": 0.2,
     "subtract": 0.0,
     "fidelity": 0.0,
+    "guide_mode": "project",
     "density_dissipation": 1.2,
     "flow": "nltv-ncc",
     "advection": "semi-lagrangian",

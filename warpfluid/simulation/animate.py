@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 import warp as wp
 
-from warpfluid.errors import describe
 from warpfluid.kernels import vectors
 from warpfluid.kernels.totals import scale, total
 from warpfluid.metrics import psnr
@@ -128,7 +127,7 @@ class Animator:
                         steps += self.advance(frame - early, frame - early + 1, follows=False)
                 self._check_finite()
             except FloatingPointError as error:
-                raise ValueError(f"frame {frame}: {describe(error)}; {self._cause(frame)}") from error
+                raise ValueError(f"frame {frame}: {error}; {self._cause(frame)}") from error
             yield self._write(run, frame, steps, begin)
             last = frame
 
@@ -185,7 +184,9 @@ class Animator:
             return None
         omega = self.footage.omega(now, then, method=options.flow, sigma=options.guide_radius)
         project = options.guide_mode == "project"
-        return Motion(on_faces(omega, seconds), options.guide_radius, weight, self.solver.sides, project)
+        return Motion(
+            on_faces(omega, seconds, options.guide_radius), options.guide_radius, weight, self.solver.sides, project
+        )
 
     def _surroundings(self, frame: int, later: int, seconds: float, now, then) -> Surroundings:
         scene = self.animation.scene
@@ -263,9 +264,10 @@ class Animator:
             ),
         }
         name = max(drives, key=drives.get)
+        more = "--substeps" if self.animation.options.substeps else "--max-substeps"
         if drives[name] == 0:
-            return "raise --max-substeps, or lower --guide-weight"
-        return f"lower {name if ' ' in name else f'--{name}'}, or raise --max-substeps"
+            return f"raise {more}, or lower --guide-weight"
+        return f"lower {name if ' ' in name else f'--{name}'}, or raise {more}"
 
     def _hottest(self) -> float:
         value = vectors.largest(self.state.temperature)

@@ -71,7 +71,7 @@ class Footage:
         return np.concatenate([view.project(volume).numpy() for view in self._projectors])
 
     def omega(self, now: wp.array, later: wp.array, *, method: str, sigma: float) -> tuple[wp.array, ...]:
-        """Return G(omega), the smoothed motion from one volume to the next (x, z, y) [voxel/frame].
+        """Return omega, the motion from one volume to the next (x, z, y) [voxel/frame].
 
         The mean is one over the fluid: empty space must not slow its rim.
         """
@@ -86,16 +86,19 @@ class Footage:
             Balancing(self.images(volume), self._projectors).apply(density, SWEEPS, power=power)
 
 
-def on_faces(omega: tuple[wp.array, ...], seconds: float) -> Faces:
-    """Return a motion on the faces [voxel/s].
+def on_faces(omega: tuple[wp.array, ...], seconds: float, sigma: float) -> Faces:
+    """Return G(omega) on the faces [voxel/s].
+
+    It must hold no frequency that G takes out of the velocity, or each step of Eqs. 8-9 would add it once more.
 
     Args:
         omega: Along x, z and y [voxel/frame], in the voxels.
         seconds: From frame to frame.
+        sigma: Standard deviation of G [voxel].
     """
     out = Faces.zeros(omega[0].shape, omega[0].device)
     for axis, (part, face) in enumerate(zip(omega, out, strict=True)):
-        to_faces(part, axis=axis, scale=1 / seconds, out=face)
+        blur(to_faces(part, axis=axis, scale=1 / seconds, out=face), sigma, out=face)
     return out
 
 
