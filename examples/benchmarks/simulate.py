@@ -24,7 +24,7 @@ from unittest import mock
 
 import numpy as np
 import warp as wp
-from machine import describe, interleaved
+from machine import describe
 from scipy.ndimage import zoom
 
 from warpfluid.device import pick_device
@@ -183,6 +183,22 @@ def timed_parts(device: wp.Device) -> Iterator[dict[str, float]]:
         yield taken
 
 
+def interleaved(jobs: dict[str, Callable[[], object]], repeats: int) -> dict[str, tuple[float, float]]:
+    """Return the median seconds of every job, and those of all cores together, which other work disturbs less.
+
+    The jobs take turns. Each runs once before.
+    """
+    for job in jobs.values():
+        job()
+    taken = {name: [] for name in jobs}
+    for _ in range(repeats):
+        for name, job in jobs.items():
+            begin = time.perf_counter(), time.process_time()
+            job()
+            taken[name].append((time.perf_counter() - begin[0], time.process_time() - begin[1]))
+    return {name: tuple(np.median(pairs, axis=0).tolist()) for name, pairs in taken.items()}
+
+
 def peak_gigabytes() -> float:
     """Return the most memory this process has held so far [GB]; Linux counts in kB."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e9
@@ -201,8 +217,11 @@ def report(shape: tuple[int, int, int], repeats: int, device: wp.Device, peer: b
         step()
     memory = peak_gigabytes()
     times = interleaved(ours | (phiflow_steps(shape) if peer else {}), repeats)
-    for name, taken in times.items():
-        print(f"{name:26} {taken:8.3f} s  {taken / times['plain']:6.2f} x plain")
+    wall, work = times["plain"]
+    for name, (taken, busy) in times.items():
+        print(
+            f"{name:26} {taken:8.3f} s {taken / wall:6.2f} x plain   {busy:8.3f} s of cores {busy / work:6.2f} x plain"
+        )
     if not peer:
         print(f"{'PhiFlow':26} not measured: --ours, or not installed")
     print(f"peak memory of ours {memory:.2f} GB, all four states and solids together; {load()}")
