@@ -229,6 +229,11 @@ def test_the_source_is_never_written_over(tmp_path, fire, capsys):
         (["a", "--force", "drag", "strength=2"], "no place for 'strength=2': write what belongs together in quotes"),
         (["--preset", "fire", "--swirl", "1", "--blend", "x"], "blend is 'x', expected a number, or keys such as"),
         (["--preset", "fire", "--cfl", "x"], "cfl"),
+        (
+            ["--preset", "fire", "--pressure", "direct", "--body", "box"],
+            "pressure is direct, which takes neither obstac",
+        ),
+        (["--preset", "splash", "--pressure", "direct"], "obstacles nor liquid: use auto or multigrid"),
         (["--preset", "fire", "--preroll", "1.5"], "'1.5' is not a whole number"),
     ],
 )
@@ -264,6 +269,22 @@ def test_a_fluid_that_explodes(tmp_path, capsys):
     assert 1 < len(made) < 12
     assert made == list(range(1, len(made) + 1))
     assert all(np.isfinite(density(out, frame)).all() for frame in made)
+
+
+@pytest.mark.parametrize(
+    ("flags", "words"),
+    [
+        (
+            ["--emitter", "sphere velocity=0,1000,0 drive=99"],
+            "lower the velocity of the emitters, or raise --max-substep",
+        ),
+        (["--combustion", "--emitter", "sphere fuel=99 temperature=5", "--expansion", "999"], "lower --expansion, or"),
+    ],
+)
+def test_the_cause_is_named(tmp_path, capsys, flags, words):
+    """The setting that drives the fluid most."""
+    assert run("simulate", *BOX, *flags, "--frames", "1-8", "-o", tmp_path / "out") == 1
+    assert words in capsys.readouterr().err
 
 
 def test_a_damaged_volume_on_the_way(tmp_path, capsys):

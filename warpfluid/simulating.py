@@ -96,6 +96,9 @@ def _settle(asked: Asked, paper: bool, config: Path | None) -> tuple[SimulateSet
         raise ValueError("there is nothing to simulate: name a run or volumes, a --preset, or an --emitter")
     if len(source.frames) > 1 and settings.simulate.time_scale != 1:
         raise ValueError("time-scale is not 1, but a sequence is followed frame by frame: leave it at 1")
+    stands = settings.scene.obstacle or any(body.obstacle for body in settings.scene.body)
+    if settings.simulate.pressure == "direct" and (stands or settings.simulate.liquid_weight):
+        raise ValueError("pressure is direct, which takes neither obstacles nor liquid: use auto or multigrid")
     _check_scene(settings, source)
     return settings, source
 

@@ -251,7 +251,7 @@ class Animator:
 
     def _cause(self, frame: int) -> str:
         """Return which setting drives the fluid most, and what to do."""
-        number = self.solver.number
+        number, scene = self.solver.number, self.animation.scene
         gravity = np.linalg.norm(Keyed(self.animation.options.gravity, 3).at(frame)) / STANDARD_GRAVITY
         drives = {
             "temperature-buoyancy": abs(number("temperature_buoyancy", frame)) * gravity * self._hottest(),
@@ -259,9 +259,10 @@ class Animator:
             "turbulence-strength": number("turbulence_strength", frame) * 10,
             "swirl": number("swirl", frame),
             "expansion": number("expansion", frame) * self.animation.options.combustion * 10,
-            "the strength of the forces": max(
-                (abs(Keyed(f.strength).at(frame)) for f in self.animation.scene.force), default=0
+            "the velocity of the emitters": max(
+                (np.abs(Keyed(e.velocity, 3).at(frame)).max() for e in scene.emitter if e.drive), default=0
             ),
+            "the strength of the forces": max((abs(Keyed(f.strength).at(frame)) for f in scene.force), default=0),
         }
         name = max(drives, key=drives.get)
         more = "--substeps" if self.animation.options.substeps else "--max-substeps"
