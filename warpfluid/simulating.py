@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 import sys
 from dataclasses import asdict, dataclass
 from importlib.resources import files
@@ -71,12 +72,17 @@ def show_presets(common) -> int:
         return 0
     for name in preset_names():
         text = (files("warpfluid") / "presets" / f"{name}.toml").read_text("utf-8")
-        print(f"{name}\n    {text.splitlines()[0].removeprefix('# ')}")
-        print(
-            "    "
-            + " ".join(f"--{key.replace('_', '-')} {value}" for key, value in preset_settings(name)["simulate"].items())
-        )
+        flags = (_flag(option, value) for option, value in preset_settings(name)["simulate"].items())
+        print(f"{name}\n    {text.splitlines()[0].removeprefix('# ')}\n    {' '.join(flags)}")
     return 0
+
+
+def _flag(option: str, value) -> str:
+    """Return an option as it is written on a command line."""
+    name = option.replace("_", "-")
+    if isinstance(value, bool):
+        return f"--{name}" if value else f"--no-{name}"
+    return f"--{name} {shlex.quote(str(value))}"
 
 
 def _settle(asked: Asked, paper: bool, config: Path | None) -> tuple[SimulateSettings, Source]:
@@ -96,9 +102,6 @@ def _settle(asked: Asked, paper: bool, config: Path | None) -> tuple[SimulateSet
         raise ValueError("there is nothing to simulate: name a run or volumes, a --preset, or an --emitter")
     if len(source.frames) > 1 and settings.simulate.time_scale != 1:
         raise ValueError("time-scale is not 1, but a sequence is followed frame by frame: leave it at 1")
-    stands = settings.scene.obstacle or any(body.obstacle for body in settings.scene.body)
-    if settings.simulate.pressure == "direct" and (stands or settings.simulate.liquid_weight):
-        raise ValueError("pressure is direct, which takes neither obstacles nor liquid: use auto or multigrid")
     _check_scene(settings, source)
     return settings, source
 
@@ -108,6 +111,9 @@ def _check_scene(settings: SimulateSettings, source: Source) -> None:
     from warpfluid.simulation.placing import Placing
 
     placing, problems, scene = Placing(source.shape, source.reference), Problems(), settings.scene
+    stands = scene.obstacle or any(body.obstacle for body in scene.body)
+    if settings.simulate.pressure == "direct" and (stands or settings.simulate.liquid_weight):
+        problems.append("pressure is direct, which takes neither obstacles nor liquid: use auto or multigrid")
     for emitter in scene.emitter:
         problems.attempt(placing.emitter, emitter, 0.0, where="--emitter: ")
     for obstacle in scene.obstacle:
