@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from warpfluid.kernels.decay import decay, make_mask, radiate
+from warpfluid.kernels.decay import decay, make_mask, radiate, thin
 
 SHAPE = (17, 5, 50)
 
@@ -83,3 +83,14 @@ def test_refuses_senseless_numbers(device):
         radiate(field, rate=1.0, hottest=0.0, time_step=1.0)
     with pytest.raises(ValueError, match="reference"):
         make_mask(field, reference=0.0)
+
+
+def test_thin_is_its_exponential(device):
+    """A voxel whose gas doubles holds half as much; where nothing swells the bits stay."""
+    values = np.random.default_rng(4).random((5, 6, 40)).astype(np.float32)
+    divergence = np.zeros_like(values)
+    divergence[2:] = np.log(2) / 0.1
+    field = wp.array(values, dtype=float, device=device)
+    thin(field, divergence=wp.array(divergence, dtype=float, device=device), time_step=0.1)
+    np.testing.assert_allclose(field.numpy()[2:], values[2:] / 2, rtol=1e-5)
+    np.testing.assert_array_equal(field.numpy()[:2], values[:2])

@@ -122,6 +122,7 @@ LAUNCHERS = {
     ),
     decay.decay: ({"field": volume}, {"rate": 1.0, "time_step": 0.1}),
     decay.radiate: ({"temperature": volume}, {"rate": 1.0, "hottest": 1.0, "time_step": 0.1}),
+    decay.thin: ({"field": volume, "divergence": volume}, {"time_step": 0.1}),
     decay.make_mask: ({"density": volume, "out": volume}, {"reference": 1.0}),
     edges.mask_edges: ({**on_edges, "mask": volume}, {"sides": placed["sides"]}),
     edges.add_curl: ({**on_faces, **on_edges}, {"sides": placed["sides"]}),

@@ -36,6 +36,23 @@ def radiate_kernel(
 
 
 @wp.kernel
+def thin_kernel(
+    first_row: int,
+    first_block: int,
+    divergence: wp.array3d[float],
+    time_step: float,
+    run: int,
+    field: wp.array3d[float],
+):
+    """Spread what a voxel holds over the room that it grows to."""
+    row, z, block = wp.tid()
+    x = first_row + row
+    begin = (first_block + block) * run
+    for y in range(begin, wp.min(begin + run, field.shape[2])):
+        field[x, z, y] = field[x, z, y] * wp.exp(-divergence[x, z, y] * time_step)
+
+
+@wp.kernel
 def make_mask_kernel(
     first_row: int, first_block: int, density: wp.array3d[float], scale: float, run: int, out: wp.array3d[float]
 ):
@@ -94,6 +111,30 @@ def radiate(temperature: wp.array3d[float], *, rate: float, hottest: float, time
     if rate * time_step != 0:
         launch_run(radiate_kernel, [3.0 * rate * time_step, hottest], temperature)
     return temperature
+
+
+def thin(field: wp.array3d[float], *, divergence: wp.array3d[float], time_step: float) -> wp.array3d[float]:
+    """Thin what a swelling gas holds, in place: field exp(-divergence time_step).
+
+    Advection keeps values, so a flow out of a source would make more of everything; with this, the part
+    ``-field divergence`` of the law of conservation, totals stay.
+
+    Args:
+        field: Density or fuel, shape (x, z, y).
+        divergence: Of the velocity that will carry the field [1/s], the same shape.
+        time_step: [s].
+
+    Returns:
+        The field.
+
+    Raises:
+        ValueError: If shapes, types or devices do not fit.
+    """
+    checks.same_device(field=field, divergence=divergence)
+    checks.floats(3, field=field, divergence=divergence)
+    checks.same_shape(field=field, divergence=divergence)
+    launch_run(thin_kernel, [divergence, time_step], field)
+    return field
 
 
 def make_mask(

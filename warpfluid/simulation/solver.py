@@ -145,8 +145,10 @@ class Solver:
                 flame_decay=self.number("flame_fade", frame),
                 time_step=seconds,
             )
+            # A closed box has no room to grow into; there the total is kept as it is carried.
             if self.number("expansion", frame) and OPEN in tuple(self.sides):
-                _thin(state, expansion, seconds)
+                for field in (state.density, state.fuel, state.flame):
+                    decay.thin(field, divergence=expansion, time_step=seconds)
             cooling = self.number("cooling", frame)
             decay.radiate(state.temperature, rate=cooling, hottest=self.options.max_temperature, time_step=seconds)
         decay.decay(state.temperature, rate=self.number("temperature_dissipation", frame), time_step=seconds)
@@ -164,14 +166,6 @@ class Solver:
         share = decay.make_mask(state.density, reference=self.placing.reference)
         ones = wp.full(share.shape, 1.0, dtype=float, device=share.device)
         return vectors.add_scaled(ones, weight, share, out=share)
-
-
-def _thin(state: FluidState, expansion: wp.array, seconds: float) -> None:
-    """Spread what burning gas holds over the room that it takes, or a flow out of nothing would bring more of it."""
-    room = wp.zeros_like(expansion)
-    vectors.add_scaled(room, seconds, expansion, out=room)
-    for field in (state.density, state.fuel, state.flame):
-        vectors.divide(field, room, floor=1.0, out=field)
 
 
 def fastest(velocity: Faces) -> float:
