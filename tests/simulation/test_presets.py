@@ -126,3 +126,9 @@ def test_splash_flies_as_a_stone_does():
     seconds = np.arange(len(height))[flight] / SECOND
     bend = 2 * np.polyfit(seconds, height[flight], 2)[0]
     assert bend == pytest.approx(-9.8, rel=0.35)
+
+
+def test_followed_volumes_need_no_preroll():
+    """What a fire needs to begin with in an empty box must not disturb a run that is edited."""
+    assert make_simulate_settings(None, None, None, {}, preset="fire").simulate.preroll > 0
+    assert make_simulate_settings("run", None, None, {}, preset="fire").simulate.preroll == 0
