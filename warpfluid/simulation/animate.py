@@ -28,9 +28,10 @@ from warpfluid.simulation.solids import build_solids
 from warpfluid.simulation.solver import Solver, Surroundings
 from warpfluid.simulation.source import Source
 from warpfluid.simulation.state import Faces, FluidState, Solids, six_sides
+from warpfluid.simulation.transport import advect_scalar
 from warpfluid.simulation.written import grids_of, write_transforms
 
-EDITED_FIDELITY = 0.25
+EDITED_FIDELITY = 0.1
 EDITS = (
     "density_buoyancy",
     "temperature_buoyancy",
@@ -140,9 +141,11 @@ class Animator:
         subtract = Keyed(options.subtract).at(frame)
         if options.order == "blend-first" and now:
             self._correct(now, weight, subtract)
-        steps = self.solver.step(self.state, frame, seconds, self._surroundings(frame, later, seconds, now, then))
+        around = self._surroundings(frame, later, seconds, now, then)
+        steps = self.solver.step(self.state, frame, seconds, around)
         self._move_bodies(frame, seconds)
         if then and options.order == "step-first":
+            self._let_in(now, then, around.motion, seconds)
             self._correct(then, weight * self.animation.fidelity, subtract)
         if then:
             self.footage.balance(self.state.density, then, power=self.animation.fidelity)
@@ -180,6 +183,7 @@ class Animator:
     def _motion(self, frame: int, later: int, now, then, seconds: float) -> Motion | None:
         options = self.animation.options
         weight = Keyed(options.guide_weight).at(frame)
+        weight *= self.animation.fidelity if options.order == "step-first" else 1.0
         if not (now and then and weight and seconds):
             return None
         omega = self.footage.omega(now, then, method=options.flow, sigma=options.guide_radius)
@@ -218,6 +222,23 @@ class Animator:
         flow = flow_around(self.state, self.placing.reference)
         for body in self.bodies:
             advance(body, seconds, gravity=gravity, flow=flow)
+
+    def _let_in(self, now: wp.array | None, then: wp.array, motion: Motion | None, seconds: float) -> None:
+        """Add what is new in the footage: what its own motion does not explain. The looser the pull, the more."""
+        share = 1.0 - self.animation.fidelity
+        if not (now and motion and share > 0):
+            return
+        sides, scheme = self.solver.sides, self.animation.options.advection
+        carried = advect_scalar(now, motion.target, sides, seconds, scheme=scheme)
+        vectors.add_scaled(carried, 1.0, carried, out=carried)  # less than twice as much is no new matter
+        new = wp.clone(carried)
+        follow(new, then, weight=share, subtract=0.0)
+        vectors.add_scaled(new, -1.0, carried, out=new)
+        hot = 1 / self.placing.reference
+        for field, factor in ((self.state.density, 1.0), (self.state.temperature, hot)):
+            vectors.add_scaled(field, factor, new, out=field)
+        if self.animation.options.combustion:
+            vectors.add_scaled(self.state.fuel, 1.0, new, out=self.state.fuel)
 
     def _correct(self, volume: wp.array, weight: float, subtract: float) -> None:
         """Move density, heat and fuel towards a volume."""
