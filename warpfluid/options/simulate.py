@@ -38,8 +38,8 @@ class SimulateOptions:
     subtract: Annotated[float | str, "The same where it is higher, as a part of blend; 0 only adds (the paper)"] = 1.0
     fidelity: Annotated[
         float | None,
-        "Pull towards the footage, 0-1: of blend, guide-weight and the balancing against its views. What is new in the "
-        "footage comes in at any. By default 1, 0.1 once anything is added",
+        "Pull towards the footage, 0-1: of the balancing against its views and of guide-weight; below 1 the volumes "
+        "are followed to where the edit has carried them. By default 1, 0.1 once anything is added",
     ] = None
     guide_weight: Annotated[float | str, "Share of the footage in the slow motion (Eqs. 8-9); 0 ignores its flow"] = 1.0
     guide_radius: Annotated[float, "Standard deviation of the blur G of Eqs. 8-9 [voxel]"] = 2.0

@@ -18,17 +18,17 @@ from warpfluid.options import OutputOptions, Scene, SimulateOptions
 from warpfluid.options.keys import Keyed
 from warpfluid.run import Run
 from warpfluid.simulation.checkpoint import load_state, save_state
+from warpfluid.simulation.displacement import advance_displacement, displaced
 from warpfluid.simulation.drag import flow_around
 from warpfluid.simulation.forces import STANDARD_GRAVITY, place_force
 from warpfluid.simulation.guidance import Footage, Motion, follow, on_faces
 from warpfluid.simulation.physics import Physics
 from warpfluid.simulation.placing import Placing
 from warpfluid.simulation.rigid_motion import advance
-from warpfluid.simulation.solids import build_solids
+from warpfluid.simulation.solids import build_solids, clear
 from warpfluid.simulation.solver import Solver, Surroundings
 from warpfluid.simulation.source import Source
 from warpfluid.simulation.state import Faces, FluidState, Solids, six_sides
-from warpfluid.simulation.transport import advect_scalar
 from warpfluid.simulation.written import grids_of, write_transforms
 
 EDITED_FIDELITY = 0.1
@@ -145,10 +145,11 @@ class Animator:
         steps = self.solver.step(self.state, frame, seconds, around)
         self._move_bodies(frame, seconds)
         if then and options.order == "step-first":
-            self._let_in(now, then, around.motion, seconds)
-            self._correct(then, weight * self.animation.fidelity, subtract)
+            self._correct(self._wanted(then, around.motion, seconds), weight, subtract)
         if then:
             self.footage.balance(self.state.density, then, power=self.animation.fidelity)
+            if around.solids:
+                clear(self.state.density, around.solids)
             self._keep_total(then)
         return steps
 
@@ -223,22 +224,14 @@ class Animator:
         for body in self.bodies:
             advance(body, seconds, gravity=gravity, flow=flow)
 
-    def _let_in(self, now: wp.array | None, then: wp.array, motion: Motion | None, seconds: float) -> None:
-        """Add what is new in the footage: what its own motion does not explain. The looser the pull, the more."""
-        share = 1.0 - self.animation.fidelity
-        if not (now and motion and share > 0):
-            return
-        sides, scheme = self.solver.sides, self.animation.options.advection
-        carried = advect_scalar(now, motion.target, sides, seconds, scheme=scheme)
-        vectors.add_scaled(carried, 1.0, carried, out=carried)  # less than twice as much is no new matter
-        new = wp.clone(carried)
-        follow(new, then, weight=share, subtract=0.0)
-        vectors.add_scaled(new, -1.0, carried, out=new)
-        hot = 1 / self.placing.reference
-        for field, factor in ((self.state.density, 1.0), (self.state.temperature, hot)):
-            vectors.add_scaled(field, factor, new, out=field)
-        if self.animation.options.combustion:
-            vectors.add_scaled(self.state.fuel, 1.0, new, out=self.state.fuel)
+    def _wanted(self, volume: wp.array, motion: Motion | None, seconds: float) -> wp.array:
+        """Return the volume that the fluid is drawn to: the source's, moved to where edits have carried it."""
+        keep = 1.0 - self.animation.fidelity
+        if not (motion and keep > 0):
+            return volume
+        state, sides = self.state, self.solver.sides
+        state.away = advance_displacement(state.away, state.velocity, motion.target, sides, seconds, keep=keep)
+        return displaced(volume, state.away)
 
     def _correct(self, volume: wp.array, weight: float, subtract: float) -> None:
         """Move density, heat and fuel towards a volume."""

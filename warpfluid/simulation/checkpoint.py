@@ -22,6 +22,8 @@ def save_state(run: Run, frame: int, state: FluidState, bodies: Sequence[RigidBo
     arrays = {name: getattr(state, name).numpy() for name in CELLS}
     arrays |= {f"velocity_{name}": part.numpy() for name, part in zip("xzy", state.velocity, strict=True)}
     arrays |= {"frame": np.array(frame), "clock": np.array([state.seconds, state.phase], np.float64)}
+    if state.away:
+        arrays |= {f"away_{name}": part.numpy() for name, part in zip("xzy", state.away, strict=True)}
     for number, body in enumerate(bodies):
         arrays |= {f"body{number}_{name}": value for name, value in body.state().items()}
     with replacing(run.folder / CHECKPOINT) as file:
@@ -54,6 +56,7 @@ def load_state(run: Run, state: FluidState, bodies: Sequence[RigidBody]) -> int 
         if [a.shape for a in (*cells.values(), *faces)] != [a.shape for a in there]:
             return None
         moved = [{name: found[f"body{n}_{name}"] for name in body.state()} for n, body in enumerate(bodies)]
+        away = [found[f"away_{name}"] for name in "xzy"] if "away_x" in found else []
         seconds, phase = map(float, found["clock"])
         frame = int(found["frame"])
     except DAMAGE:
@@ -62,6 +65,7 @@ def load_state(run: Run, state: FluidState, bodies: Sequence[RigidBody]) -> int 
         setattr(state, name, wp.array(values, dtype=float, device=device))
     state.velocity = Faces(*(wp.array(values, dtype=float, device=device) for values in faces))
     state.seconds, state.phase = seconds, phase
+    state.away = tuple(wp.array(values, dtype=float, device=device) for values in away) or None
     for body, values in zip(bodies, moved, strict=True):
         body.restore(values)
     return frame

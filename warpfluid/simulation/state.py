@@ -68,6 +68,7 @@ class FluidState:
         flame: Fuel that burnt lately, to be shown as light.
         phase: How far the pattern of the turbulence has moved on.
         seconds: Time since the start.
+        away: How far edits have carried matter (``displacement.py``) [voxel].
     """
 
     velocity: Faces
@@ -77,6 +78,7 @@ class FluidState:
     flame: wp.array
     seconds: float = 0.0
     phase: float = 0.0
+    away: tuple[wp.array, wp.array, wp.array] | None = None
 
 
 def face_shape(shape: tuple[int, int, int], axis: int) -> tuple[int, int, int]:
