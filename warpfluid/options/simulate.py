@@ -39,7 +39,7 @@ class SimulateOptions:
     fidelity: Annotated[
         float | None,
         "Pull towards the footage, 0-1: of the balancing against its views and of guide-weight; below 1 the volumes "
-        "are followed to where the edit has carried them. By default 1, 0.1 once anything is added",
+        "are followed to where the edit has carried them. By default 1, 0.3 once anything is added",
     ] = None
     guide_weight: Annotated[float | str, "Share of the footage in the slow motion (Eqs. 8-9); 0 ignores its flow"] = 1.0
     guide_radius: Annotated[float, "Standard deviation of the blur G of Eqs. 8-9 [voxel]"] = 2.0

@@ -31,7 +31,7 @@ from warpfluid.simulation.source import Source
 from warpfluid.simulation.state import Faces, FluidState, Solids, six_sides
 from warpfluid.simulation.written import grids_of, write_transforms
 
-EDITED_FIDELITY = 0.1
+EDITED_FIDELITY = 0.3
 EDITS = (
     "density_buoyancy",
     "temperature_buoyancy",
