@@ -1,0 +1,61 @@
+"""The application that commands join; results go to stdout, everything else to stderr.
+
+Exit codes: 0 done, 1 some frames failed (they are named), 2 the command or its input is wrong, 130 interrupted.
+"""
+
+import os
+import sys
+import traceback
+
+import cyclopts
+from cyclopts import App
+
+from warpfluid import __version__
+from warpfluid.errors import describe
+
+app = App(
+    name="warpfluid",
+    help="Volumes of fire, smoke, explosions and splashes from one or a few videos.",
+    version=__version__,
+    suppress_keyboard_interrupt=False,
+)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run a command and return its exit code.
+
+    Args:
+        arguments: What follows ``warpfluid``; of the command line when omitted.
+    """
+    arguments = sys.argv[1:] if arguments is None else arguments
+    try:
+        return app(arguments, exit_on_error=False, print_error=False, result_action="return_value") or 0
+    except KeyboardInterrupt as stop:
+        print(str(stop) or "stopped", file=sys.stderr)
+        return 130
+    except BrokenPipeError:  # the reader of stdout had enough, as head does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except cyclopts.CycloptsError as error:
+        return _fail(_usage(error), 2)
+    except Exception as error:
+        if {"-v", "--verbose"} & set(arguments):
+            traceback.print_exc()
+        if isinstance(error, ValueError | OSError | MemoryError):
+            return _fail(describe(error), 2)
+        return _fail(f"{describe(error)}: a fault of warpfluid; please report it with what -v prints", 1)
+
+
+def _fail(message: str, code: int) -> int:
+    print("\n".join(f"error: {line}" for line in message.splitlines()), file=sys.stderr)
+    return code
+
+
+def _usage(error: cyclopts.CycloptsError) -> str:
+    """Return what is wrong with a command line, and the way out."""
+    if isinstance(error, cyclopts.UnusedCliTokensError):
+        rest = " ".join(error.unused_tokens or ())
+        if list(error.command_chain or ())[:1] == ["simulate"]:
+            return f"there is no place for {rest!r}: write what belongs together in quotes, --force 'drag strength=2'"
+        return f"there is no place for {rest!r}: footage follows --view ANGLE=, --front or --side"
+    return str(error)

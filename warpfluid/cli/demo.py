@@ -1,0 +1,24 @@
+"""``warpfluid demo``: the packaged fire."""
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from warpfluid.cli.app import app
+from warpfluid.cli.flags import (
+    COMMON,
+    Common,
+)
+
+
+@app.command
+def demo(
+    *,
+    out: Annotated[Path, Parameter(name=["--out", "-o"], help="Folder of the run")] = Path("warpfluid-demo"),
+    common: Common = COMMON,
+) -> int:
+    """Reconstruct a packaged fire from its front and its side: volumes, turntable and report."""
+    from warpfluid import commands
+
+    return commands.demo(out, common)

@@ -1,0 +1,76 @@
+"""Flags that several commands share, made from the options."""
+
+from dataclasses import dataclass, field, fields, make_dataclass
+from pathlib import Path
+from typing import Annotated, get_args, get_type_hints
+
+from cyclopts import Group, Parameter
+
+from warpfluid.options import InputOptions, OutputOptions, ReconstructOptions, SimulateOptions
+
+
+def _whole_number(_, tokens) -> int:
+    """Return a flag's number; without this cyclopts cuts 3.5 to 3 without a word."""
+    try:
+        return int(tokens[0].value)
+    except ValueError as error:
+        raise ValueError(f"{tokens[0].value!r} is not a whole number") from error
+
+
+def make_flags(options: type, title: str, order: int) -> type:
+    """Make the flags of an options class: all unset, with the defaults in the help."""
+    hints, made = get_type_hints(options, include_extras=True), []
+    for option in fields(options):
+        kind, text = get_args(hints[option.name])[:2]
+        default = False if option.default is None else lambda _, value=option.default: value
+        convert = _whole_number if int in (kind, *get_args(kind)) else None
+        flag = Annotated[kind | None, Parameter(help=text, show_default=default, converter=convert)]
+        made.append((option.name, flag, field(default=None)))
+    flags = make_dataclass(f"{options.__name__}Flags", made, frozen=True, kw_only=True)
+    flags.__module__ = __name__  # without a module of ours cyclopts takes it for one opaque value
+    return Annotated[flags, Parameter(name="*", group=Group(title, sort_key=order))]
+
+
+InputFlags = make_flags(InputOptions, "Footage", 1)
+MethodFlags = make_flags(ReconstructOptions, "Method", 2)
+SimulateFlags = make_flags(SimulateOptions, "Simulation", 2)
+OutputFlags = make_flags(OutputOptions, "Output", 3)
+NO_INPUT, NO_METHOD, NO_SIMULATION, NO_OUTPUT = (
+    get_args(flags)[0]() for flags in (InputFlags, MethodFlags, SimulateFlags, OutputFlags)
+)
+
+FrontFlag = Annotated[str | None, Parameter(help="Footage of the front: the same as --view 0=FOOTAGE")]
+SideFlag = Annotated[
+    str | None,
+    Parameter(help="Footage of a camera left of the front one, at a right angle: the same as --view 90=FOOTAGE"),
+]
+PaperFlag = Annotated[bool, Parameter(negative=(), help="Make the paper's choices; other flags count on top")]
+ConfigFlag = Annotated[Path | None, Parameter(help="Take options from a run.toml; flags count on top")]
+ViewFlag = Annotated[
+    list[str] | None,
+    Parameter(
+        name=["--view"],
+        allow_leading_hyphen=True,
+        negative=(),
+        help="A view, ANGLE=FOOTAGE: a video, a folder, or a pattern such as front.####.png; once for every view",
+    ),
+]
+
+
+@Parameter(name="*", group=Group("Common", sort_key=9))
+@dataclass(frozen=True, kw_only=True)
+class Common:
+    """What most commands take."""
+
+    device: Annotated[str, Parameter(help="cpu, cuda:N, or auto: the first GPU if there is one")] = "auto"
+    json: Annotated[bool, Parameter(negative=(), help="Print the result as one JSON document")] = False
+    quiet: Annotated[bool, Parameter(name=["--quiet", "-q"], negative=(), help="Print nothing but the result")] = False
+    verbose: Annotated[bool, Parameter(name=["--verbose", "-v"], negative=(), help="Show errors whole")] = False
+
+
+COMMON = Common()
+
+
+def named_views(front: str | None, side: str | None) -> list[str]:
+    """Return the views that are named by where they stand, as ``--view`` takes them."""
+    return [f"{angle}={path}" for angle, path in ((0, front), (90, side)) if path is not None]

@@ -1,0 +1,42 @@
+"""``warpfluid flow``: the motion in footage."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+from warpfluid.cli.app import app
+from warpfluid.cli.flags import (
+    COMMON,
+    NO_INPUT,
+    Common,
+    ConfigFlag,
+    FrontFlag,
+    InputFlags,
+    SideFlag,
+    ViewFlag,
+    named_views,
+)
+
+
+@app.command
+def flow(
+    *,
+    view: ViewFlag = None,
+    front: FrontFlag = None,
+    side: SideFlag = None,
+    out: Annotated[Path, Parameter(name=["--out", "-o"], help="Folder to write to")],
+    flow: Annotated[
+        Literal["nltv-ncc", "ilk", "tvl1"],
+        Parameter(help="Optical flow: non-local TV with cross-correlation, iterative Lucas-Kanade, or TV-L1"),
+    ] = "nltv-ncc",
+    config: ConfigFlag = None,
+    footage: InputFlags = NO_INPUT,
+    common: Common = COMMON,
+) -> int:
+    """Measure the motion in footage and write it: numbers as EXR, colours as PNG."""
+    from warpfluid import commands
+
+    views = [*(view or []), *named_views(front, side)]
+    settings = commands.make_settings(views, footage, None, None, config=config)
+    return commands.flow(settings, out, flow, common)

@@ -1,0 +1,45 @@
+"""``warpfluid inspect``: what is understood of footage."""
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from warpfluid.cli.app import app
+from warpfluid.cli.flags import (
+    COMMON,
+    NO_INPUT,
+    NO_METHOD,
+    Common,
+    ConfigFlag,
+    FrontFlag,
+    InputFlags,
+    MethodFlags,
+    PaperFlag,
+    SideFlag,
+    ViewFlag,
+    named_views,
+)
+
+
+@app.command
+def inspect(
+    *,
+    view: ViewFlag = None,
+    front: FrontFlag = None,
+    side: SideFlag = None,
+    picture: Annotated[
+        Path | None, Parameter(negative_none="no-", help="Picture of the views around the box to write, .png")
+    ] = Path("views.png"),
+    paper: PaperFlag = False,
+    config: ConfigFlag = None,
+    footage: InputFlags = NO_INPUT,
+    method: MethodFlags = NO_METHOD,
+    common: Common = COMMON,
+) -> int:
+    """Show what is understood of footage: sizes, frames, levels, agreement of the views, cost."""
+    from warpfluid import commands
+
+    views = [*(view or []), *named_views(front, side)]
+    settings = commands.make_settings(views, footage, method, None, paper=paper, config=config)
+    return commands.inspect(settings, picture, common)

@@ -1,0 +1,52 @@
+"""``warpfluid reconstruct``: footage becomes volumes."""
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from warpfluid.cli.app import app
+from warpfluid.cli.flags import (
+    COMMON,
+    NO_INPUT,
+    NO_METHOD,
+    NO_OUTPUT,
+    Common,
+    ConfigFlag,
+    FrontFlag,
+    InputFlags,
+    MethodFlags,
+    OutputFlags,
+    PaperFlag,
+    SideFlag,
+    ViewFlag,
+    named_views,
+)
+
+
+@app.command
+def reconstruct(
+    *,
+    view: ViewFlag = None,
+    front: FrontFlag = None,
+    side: SideFlag = None,
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"], help="Folder of the run")] = None,
+    paper: PaperFlag = False,
+    config: ConfigFlag = None,
+    resume: Annotated[bool, Parameter(negative=(), help="Continue a run: frames that are there are kept")] = False,
+    overwrite: Annotated[bool, Parameter(negative=(), help="Delete an earlier run in the folder")] = False,
+    footage: InputFlags = NO_INPUT,
+    method: MethodFlags = NO_METHOD,
+    output: OutputFlags = NO_OUTPUT,
+    common: Common = COMMON,
+) -> int:
+    """Make a volume sequence of the footage of one or more views."""
+    from warpfluid import commands
+
+    if out is None:
+        raise ValueError("no folder is given for the run: add -o FOLDER")
+    if resume and config is None and (out / "run.toml").is_file():
+        config = out / "run.toml"  # what is not said again stays as it was
+    views = [*(view or []), *named_views(front, side)]
+    settings = commands.make_settings(views, footage, method, output, paper=paper, config=config)
+    return commands.reconstruct(settings, out, resume=resume, overwrite=overwrite, common=common)

@@ -1,0 +1,64 @@
+"""``warpfluid simulate`` and ``warpfluid presets``: volumes flow."""
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from warpfluid.cli.app import app
+from warpfluid.cli.flags import (
+    COMMON,
+    NO_OUTPUT,
+    NO_SIMULATION,
+    Common,
+    ConfigFlag,
+    OutputFlags,
+    PaperFlag,
+    SimulateFlags,
+)
+
+
+def _things(kind: str, text: str) -> type:
+    """Make the flag that puts things of a kind into the box."""
+    return Annotated[list[str] | None, Parameter(name=[f"--{kind}"], negative=(), help=text)]
+
+
+@app.command
+def simulate(
+    source: Annotated[str | None, Parameter(help="A run, or volumes: a folder, pattern or file, .vdb or .npz")] = None,
+    *,
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"], help="Folder of the new run")] = None,
+    preset: Annotated[str | None, Parameter(help="fire, smoke, explosion or splash; see presets")] = None,
+    size: Annotated[str | None, Parameter(help="Voxels of an empty box, WIDTHxHEIGHT; 96x144 by default")] = None,
+    emitter: _things("emitter", "An emitter: 'sphere center=0,1,0 radius=0.5 density=4'; once for each") = None,
+    obstacle: _things("obstacle", "An obstacle: 'box center=0,4,0 size=2,0.5,2'; once for each") = None,
+    force: _things("force", "A force: 'vortex center=0,3,0 strength=20'; once for each") = None,
+    body: _things("body", "A rigid body: 'box center=0,2,0 size=1,0.6,2'; once for each") = None,
+    paper: PaperFlag = False,
+    config: ConfigFlag = None,
+    resume: Annotated[bool, Parameter(negative=(), help="Continue a run, or make it longer")] = False,
+    overwrite: Annotated[bool, Parameter(negative=(), help="Delete an earlier run in the folder")] = False,
+    method: SimulateFlags = NO_SIMULATION,
+    output: OutputFlags = NO_OUTPUT,
+    common: Common = COMMON,
+) -> int:
+    """Make volumes flow: smooth motion that keeps the look of the footage, and that can be edited."""
+    from warpfluid import simulating
+
+    if out is None:
+        raise ValueError("no folder is given for the run: add -o FOLDER")
+    if resume and config is None and (out / "run.toml").is_file():
+        config = out / "run.toml"  # what is not said again stays as it was
+    things = {"emitter": emitter, "obstacle": obstacle, "force": force, "body": body}
+    asked = simulating.Asked(source=source, size=size, preset=preset, things=things, method=method, output=output)
+    return simulating.simulate(
+        asked, out, paper=paper, config=config, resume=resume, overwrite=overwrite, common=common
+    )
+
+
+@app.command
+def presets(*, common: Common = COMMON) -> int:
+    """List the presets of simulate, and what each sets."""
+    from warpfluid import simulating
+
+    return simulating.show_presets(common)
