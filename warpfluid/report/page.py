@@ -206,13 +206,12 @@ def _metrics(methods: Mapping[str, Mapping[str, float]], yardsticks: Sequence[st
         values = {name: numbers[metric.name] for name, numbers in methods.items() if metric.name in numbers}
         if not values:
             continue
-        badness = {"low": lambda v: v, "high": lambda v: -v, "one": lambda v: abs(v - 1)}[metric.best]
-        rivals = [name for name in values if name not in yardsticks and metric.group != "tuned"]
-        best = min(rivals, key=lambda name: badness(values[name])) if len(rivals) > 1 else None
+        rivals = [name for name in values if name not in yardsticks and metric.ranks]
+        best = min(rivals, key=lambda name: metric.badness(values[name])) if len(rivals) > 1 else None
         cells = "".join(
             f'<td class="number{" best" if name == best else ""}">{cell(values.get(name))}</td>' for name in methods
         )
-        mark = "*" if metric.group == "tuned" else ""
+        mark = "" if metric.ranks else "*"
         rows.append(
             f"<tr><td>{escape(metric.label)}{mark} <small>{escape(metric.meaning)}</small></td>"
             f'<td class="aim">{AIMS[metric.best]}</td>{cells}</tr>'
@@ -220,7 +219,7 @@ def _metrics(methods: Mapping[str, Mapping[str, float]], yardsticks: Sequence[st
     if not rows:
         return ""
     heads = "".join(f'<th class="number">{escape(name)}</th>' for name in methods)
-    note = '<p class="note">* matched by the method itself, so nothing to rank by</p>'
+    note = '<p class="note">* nothing to rank by: matched by the method itself, or better for a blur</p>'
     return scroll(f"<table><tr><th></th><th></th>{heads}</tr>{''.join(rows)}</table>") + note
 
 
