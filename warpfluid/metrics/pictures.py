@@ -1,7 +1,7 @@
 """Numbers of two pictures: a candidate and the truth, grey, float64, shape (rows, columns), top row first.
 
-Nearly all compare statistics, not pixels: in an unseen view a sharp flame in the wrong place beats a grey average, while
-pixel by pixel the average wins.
+Nearly all compare statistics, not pixels: in an unseen view a sharp flame in the wrong place beats a grey average,
+while pixel by pixel the average wins.
 """
 
 import numpy as np

@@ -33,9 +33,9 @@ UNRANKED = ("tuned", "pixels")  # matched by the method itself; or better for a 
 class Metric:
     """One number of the table.
 
-    The method itself matches what is ``tuned`` and knows nothing of what is ``independent``; ``physical`` compares light
-    and place; ``pixels`` are those of unseen views. What has no ``measure`` needs more than a picture and its truth:
-    ``given`` are the views that the volume was made of, ``motion`` needs the next frame, ``volume`` the volume.
+    The method itself matches what is ``tuned`` and knows nothing of what is ``independent``; ``physical`` compares
+    light and place; ``pixels`` are those of unseen views. What has no ``measure`` needs more than a picture and its
+    truth: ``given`` the views that the volume was made of, ``motion`` the next frame, ``volume`` the volume.
     """
 
     name: str  # key in the results
