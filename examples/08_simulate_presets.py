@@ -17,7 +17,8 @@ from warpfluid.presets import preset_names
 from warpfluid.rendering.ramps import apply_ramp
 from warpfluid.rendering.turntable import in_a_row
 from warpfluid.settings import make_simulate_settings
-from warpfluid.simulation.animate import Animation, Animator
+from warpfluid.simulation.animate import Animator
+from warpfluid.simulation.animation import Animation
 from warpfluid.simulation.source import open_source
 
 SIZE = (24, 36)  # a small box; 48 x 72 and more shows the curls

@@ -26,7 +26,8 @@ from warpfluid.options import OutputOptions, SimulateOptions
 from warpfluid.options.scene import THINGS, Scene, parse_thing
 from warpfluid.rendering.bodies import DrawnBody, render_with_bodies
 from warpfluid.rendering.ramps import apply_ramp
-from warpfluid.simulation.animate import Animation, Animator
+from warpfluid.simulation.animate import Animator
+from warpfluid.simulation.animation import Animation
 from warpfluid.simulation.source import Source, open_source
 
 SIZE, FRAMES, ZOOM = (24, 36), 36, 5.0
@@ -160,7 +161,7 @@ row = {}
 for frames in (1, 12, 18, 24):
     push = "box center=-2,0.6,0 size=1,1,2 density=3 velocity=10,2,0 drive=20 noise=0.5"
     run = animate("", emitter=[push], body=["box center=-0.6,0.4,0 size=1.2,0.6,0.8 weight=0.5"], frames=frames)
-    (body,) = run.bodies
+    (body,) = run.scenery.bodies
     row[f"frame {frames}"] = with_boxes(run, [box_at(run, body.position, (1.2, 0.6, 0.8), body.rotation)])
 save("simulate-body.png", panel(row))
 

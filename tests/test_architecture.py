@@ -13,7 +13,7 @@ import warpfluid
 # From the bottom to the top. A module imports from its own layer and from those below it.
 LAYERS = [
     {"files", "options", "kernels", "device", "errors"},
-    {"presets", "views", "footage", "metrics", "projector", "balance", "settings", "run", "motion"},
+    {"presets", "views", "footage", "metrics", "projector", "balance", "settings", "run", "volumes", "motion"},
     {"reconstruction", "rendering", "simulation"},
     {"report", "commands", "simulating", "progress", "doctor"},
     {"cli"},

@@ -55,7 +55,7 @@ def simulate(
     if settings.source and Path(settings.source).expanduser().resolve() == out.resolve():
         raise ValueError(f"{out} is the source itself: choose another folder with -o")
     frames = _frames(_joined(run, settings.simulate.frames) if resume else settings.simulate.frames, source)
-    facts = {"device": str(device), "angles": list(source.angles_deg), "inputs": source.identities()}
+    facts = {"device": str(device), "angles": list(source.volumes.angles_deg), "inputs": source.volumes.hashes()}
     kept = run.begin(settings, facts, resume=resume, overwrite=overwrite)
     size = "x".join(map(str, _sizes(source)))
     log.line(f"source  {settings.source or 'an empty box'}: {size} voxels, {len(frames)} frames")
@@ -96,7 +96,7 @@ def _settle(asked: Asked, paper: bool, config: Path | None) -> tuple[SimulateSet
     settings = make_simulate_settings(asked.source, asked.method, asked.output, asked.things, **chosen)
     source = open_source(name, size=size, resolution_scale=settings.simulate.resolution_scale)
     if name and "output" not in document:
-        stored = {"source_output": asdict(source.output)}
+        stored = {"source_output": asdict(source.volumes.output)}
         settings = make_simulate_settings(asked.source, asked.method, asked.output, asked.things, **chosen, **stored)
     if not name and not any(settings.scene.emitter):
         raise ValueError("there is nothing to simulate: name a run or volumes, a --preset, or an --emitter")
@@ -136,14 +136,14 @@ def _frames(text: str | None, source: Source) -> tuple[int, ...]:
     if text is None:
         return source.frames if len(source.frames) > 1 else tuple(range(*_usual(source)))
     frames = tuple(parse_frames(text))
-    if source.files and frames[0] not in source.files:
+    if source.frames and frames[0] not in source.frames:
         have = f"{source.frames[0]} to {source.frames[-1]}"
         raise ValueError(f"frames begin with {frames[0]}, which the source has not (it has {have})")
     return frames
 
 
 def _usual(source: Source) -> tuple[int, int]:
-    first = source.frames[0] if source.files else 1
+    first = source.frames[0] if source.frames else 1
     return first, first + USUAL_LENGTH
 
 
@@ -157,7 +157,8 @@ def _continues(run: Run, frames: tuple[int, ...], kept: dict) -> bool:
 
 def _animate(run: Run, settings: SimulateSettings, source: Source, frames, device, resume: bool, log: Progress) -> dict:
     """Simulate the frames; return what failed."""
-    from warpfluid.simulation.animate import Animation, Animator
+    from warpfluid.simulation.animate import Animator
+    from warpfluid.simulation.animation import Animation
 
     animation = Animation(
         source=source, options=settings.simulate, scene=settings.scene, output=settings.output, device=device

@@ -9,7 +9,8 @@ import warp as wp
 from warpfluid.presets import preset_names
 from warpfluid.projector import Projector
 from warpfluid.settings import make_simulate_settings
-from warpfluid.simulation.animate import Animation, Animator
+from warpfluid.simulation.animate import Animator
+from warpfluid.simulation.animation import Animation
 from warpfluid.simulation.source import open_source
 
 SIZE = (24, 36)

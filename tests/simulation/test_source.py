@@ -1,5 +1,7 @@
 """What a simulation starts from: runs, volumes of other programs, and what is refused."""
 
+import shutil
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,8 @@ from warpfluid.files.vdb import write_vdb
 from warpfluid.options import InputOptions, OutputOptions, ReconstructOptions
 from warpfluid.run import Run
 from warpfluid.settings import Settings
-from warpfluid.simulation.source import find_volumes, open_source
+from warpfluid.simulation.source import open_source
+from warpfluid.volumes import find_volumes
 
 ORIGIN = (0.0, 0.0, 0.0)
 
@@ -45,8 +48,8 @@ def test_a_run(run):
     """Its volumes as they are, its views' angles, and the way its files are stored."""
     source = open_source(str(run.folder), size=None)
     assert source.frames == (7, 8)
-    assert source.angles_deg == (0.0, 60.0)
-    assert (source.scale, source.output.voxel_size, source.output.up) == (1.0, 0.5, "z")
+    assert source.volumes.angles_deg == (0.0, 60.0)
+    assert (source.volumes.scale, source.volumes.output.voxel_size, source.volumes.output.up) == (1.0, 0.5, "z")
     np.testing.assert_array_equal(source.volume(8), cloud(2))
     assert source.shape == (8, 8, 12)
     lit = cloud(1)[cloud(1) > 0]
@@ -68,7 +71,7 @@ def test_volumes_of_another_program(tmp_path, kind, scale):
         write(tmp_path / "a" / f"smoke_v2.{frame:04d}{kind}", cloud(frame - 2) * scale * (1 if frame == 3 else 0.5))
     source = open_source(str(tmp_path / "a"), size=None)
     assert source.frames == (3, 5)
-    assert source.angles_deg == (0.0, 90.0)
+    assert source.volumes.angles_deg == (0.0, 90.0)
     assert source.volume(3).sum(axis=1).max() == pytest.approx(255, rel=1e-5)
     whole = cloud(1) * 255 / cloud(1).sum(axis=1).max()
     np.testing.assert_allclose(source.volume(3), whole, rtol=1e-4, atol=1e-4)
@@ -114,7 +117,7 @@ def test_a_box_that_is_not_square(tmp_path):
     source = open_source(str(path), size=None)
     volume = source.volume(1)
     assert volume.shape == source.shape == (10, 10, 12)
-    whole = cloud(width=6, depth=10) * np.float32(source.scale)
+    whole = cloud(width=6, depth=10) * np.float32(source.volumes.scale)
     np.testing.assert_array_equal(volume[2:8], whole)
     assert volume[:2].sum() == volume[8:].sum() == 0
 
@@ -124,7 +127,7 @@ def test_a_volume_that_grows(tmp_path):
     for frame, width in ((1, 10), (2, 8), (3, 12)):
         write(tmp_path / f"a.{frame}.npz", cloud(width=width, depth=width))
     source = open_source(str(tmp_path), size=None)
-    np.testing.assert_array_equal(source.volume(2)[1:9, 1:9], cloud() * np.float32(source.scale))
+    np.testing.assert_array_equal(source.volume(2)[1:9, 1:9], cloud() * np.float32(source.volumes.scale))
     with pytest.raises(ValueError, match=r"a\.3\.npz: the volume is larger than that of frame 1"):
         source.volume(3)
 
@@ -142,7 +145,7 @@ def test_resolution_scale(run, factor, shape):
 def test_an_empty_box():
     """As deep as wide, without frames."""
     source = open_source(None, size=(24, 32))
-    assert (source.shape, source.frames, source.name) == ((24, 24, 32), (), "")
+    assert (source.shape, source.frames, source.volumes.name) == ((24, 24, 32), (), "")
     assert open_source(None, size=None).shape == (96, 96, 144)
     assert open_source(None, size=(24, 32), resolution_scale=0.5).shape == (12, 12, 16)
 
@@ -180,11 +183,13 @@ def test_a_file_without_density(tmp_path):
         open_source(str(tmp_path / "b.vdb"), size=None)
 
 
-def test_whether_a_file_has_changed(run):
-    """A run is resumed only with the volumes that it began with."""
-    before = open_source(str(run.folder), size=None).identities()
+def test_whether_a_file_has_changed(run, tmp_path):
+    """A run is resumed only with the volumes that it began with, wherever their folder is."""
+    before = open_source(str(run.folder), size=None).volumes.hashes()
     assert before.keys() == {"7", "8"}
-    run.volume_path(8).write_bytes(run.volume_path(8).read_bytes())
-    after = open_source(str(run.folder), size=None).identities()
+    shutil.copytree(run.folder, tmp_path / "moved")
+    assert open_source(str(tmp_path / "moved"), size=None).volumes.hashes() == before
+    run.volume_path(8).write_bytes(run.volume_path(7).read_bytes())
+    after = open_source(str(run.folder), size=None).volumes.hashes()
     assert after["7"] == before["7"]
     assert after["8"] != before["8"]

@@ -44,7 +44,8 @@ class Motion:
         projections; Thuerey et al. 2006, Gregson et al. 2014).
         """
         out = Faces(*(wp.clone(part) for part in velocity))
-        for _ in range(PASSES if self._project else 1):
+        passes = 0 if self.weight == 0 else PASSES if self._project else 1
+        for _ in range(passes):
             for part, target in zip(out, self.target, strict=True):
                 guide(part, blur(part, self.sigma), target, weight=self.weight)
             if self._project or solids:

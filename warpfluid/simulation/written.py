@@ -22,10 +22,10 @@ def grids_of(
     Velocity is in scene units a second, shape (x, z, y, 3) with components (x, y, z); it, temperature and the rest are
     stored where there is fluid, and a little around it.
     """
-    density = state.density.numpy() / np.float32(source.scale)
+    density = state.density.numpy() / np.float32(source.volumes.scale)
     near = widen(density > output.drop_below * density.max(), RIM)
     names = ["temperature", *(("fuel", "flame") if burns else ())]
-    full = {"temperature": 1.0, "fuel": source.scale, "flame": placing.reference}
+    full = {"temperature": 1.0, "fuel": source.volumes.scale, "flame": placing.reference}
     grids = {name: np.where(near, getattr(state, name).numpy() / np.float32(full[name]), 0) for name in names}
     grids["velocity"] = np.zeros((*near.shape, 3), np.float32)
     x, z, y = (part * np.float32(output.voxel_size) for part in centred(state.velocity))

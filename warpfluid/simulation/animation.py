@@ -1,0 +1,55 @@
+"""What is to be simulated, and how far the footage decides."""
+
+from dataclasses import dataclass
+
+import warp as wp
+
+from warpfluid.options import OutputOptions, Scene, SimulateOptions
+from warpfluid.simulation.source import Source
+
+EDITED_FIDELITY = 0.3
+EDITS = (
+    "density_buoyancy",
+    "temperature_buoyancy",
+    "liquid_weight",
+    "swirl",
+    "turbulence_strength",
+    "wind",
+    "velocity_damp",
+    "viscosity",
+    "density_diffusion",
+    "combustion",
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Animation:
+    """A simulation over frames.
+
+    Attributes:
+        source: What it starts from and follows.
+        options: Its choices.
+        scene: What the artist put into the box.
+        output: How files are stored.
+        device: Where to compute.
+    """
+
+    source: Source
+    options: SimulateOptions
+    scene: Scene
+    output: OutputOptions
+    device: wp.Device
+
+    @property
+    def fidelity(self) -> float:
+        """How strongly the footage pulls: all the way, unless the artist adds something."""
+        if self.options.fidelity is not None:
+            return self.options.fidelity
+        return EDITED_FIDELITY if is_edited(self.options, self.scene) else 1.0
+
+
+def is_edited(options: SimulateOptions, scene: Scene) -> bool:
+    """Return whether an artist adds anything to what the footage asks for."""
+    usual = SimulateOptions()
+    changed = any(getattr(options, name) != getattr(usual, name) for name in EDITS)
+    return changed or bool(scene.emitter or scene.obstacle or scene.force)
