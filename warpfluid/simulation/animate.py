@@ -76,7 +76,7 @@ class Animator:
                         steps += self.advance(frame - early, frame - early + 1, follows=False)
                 self._check_finite()
             except FloatingPointError as error:
-                raise ValueError(f"frame {frame}: {error}; {self._cause(frame)}") from error
+                raise ValueError(f"frame {frame}: {error}; {self._cause(frame - 1 if last is None else last, frame)}") from error
             yield self._write(run, frame, steps, begin)
             last = frame
 
@@ -194,8 +194,8 @@ class Animator:
             if not np.isfinite(vectors.largest(getattr(self.state, name))):
                 raise FloatingPointError(f"the {name} is not finite")
 
-    def _cause(self, frame: int) -> str:
-        solids = self.scenery.solids(frame, frame, 1.0)
+    def _cause(self, frame: int, later: int) -> str:
+        solids = self.scenery.solids(frame, later, (later - frame) / self.animation.options.fps)
         return name_cause(self.solver.physics, self.animation.scene, self.state, solids, frame)
 
     def _write(self, run: Run, frame: int, steps: int, begin: float) -> dict:
