@@ -2,7 +2,6 @@
 
 import dataclasses
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +11,7 @@ from warpfluid.files.sequences import format_frames, parse_frames
 from warpfluid.footage.estimate import check_memory
 from warpfluid.footage.inspection import Inspection, inspect_shot, write_views_picture
 from warpfluid.footage.shot import Shot, open_shot
+from warpfluid.outcome import conclude, name_failures
 from warpfluid.progress import Progress
 from warpfluid.run import FILM, PAGE, Run
 from warpfluid.settings import Settings, make_settings
@@ -40,7 +40,7 @@ def reconstruct(settings: Settings, out: Path, *, resume: bool, overwrite: bool,
         log.line(f"resume  {len(shot.frames) - len(frames)} of {len(shot.frames)} frames are there")
     failed = _reconstruct(run, shot, settings, frames, device, log)
     failed |= _summarize(run, shot, settings, inspection, device, log)
-    return _conclude(run, shot, failed, common)
+    return conclude(run, shot.frames, failed, as_json=common.json)
 
 
 def inspect(settings: Settings, picture: Path | None, common) -> int:
@@ -94,7 +94,7 @@ def export(folder: Path, out: Path, form: str, frames: str | None, common) -> in
             failed[f"frame {frame}"] = describe(error)
     result = json.dumps({"files": written, "failed": failed}) if common.json else "\n".join(written)
     print(result)
-    return _name_failures(failed, "the others are written; mend these with reconstruct --resume")
+    return name_failures(failed, "the others are written; mend these with reconstruct --resume")
 
 
 def demo(out: Path, common) -> int:
@@ -193,21 +193,3 @@ def _is_demo(folder: Path, views: list[str]) -> bool:
         return Run(folder).settings().get("views", []) == views
     except ValueError:
         return False
-
-
-def _conclude(run: Run, shot: Shot, failed: dict[str, str], common) -> int:
-    """Print the result; return the exit code."""
-    records = {frame: record for frame, record in run.records().items() if frame in shot.frames}
-    if common.json:
-        print(json.dumps({"folder": str(run.folder), "frames": list(records.values()), "failed": failed}))
-    else:
-        print(f"{run.folder}: {len(records)} of {len(shot.frames)} frames")
-    return _name_failures(failed, "what is not named here is whole; the same command with --resume tries again")
-
-
-def _name_failures(failed: dict[str, str], way_out: str) -> int:
-    for name, error in failed.items():
-        print(f"error: {name}: {error}", file=sys.stderr)
-    if failed:
-        print(way_out, file=sys.stderr)
-    return 1 if failed else 0

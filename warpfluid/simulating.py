@@ -3,13 +3,13 @@
 import json
 import re
 import shlex
-import sys
 from dataclasses import asdict, dataclass
 from importlib.resources import files
 from pathlib import Path
 
 from warpfluid.errors import Problems, describe
 from warpfluid.files.sequences import parse_frames
+from warpfluid.outcome import conclude
 from warpfluid.presets import preset_names, preset_settings
 from warpfluid.progress import Progress
 from warpfluid.run import FILM, SETTINGS, Run
@@ -62,7 +62,7 @@ def simulate(
     failed = _animate(run, settings, source, frames, device, resume and _continues(run, frames, kept), log)
     if settings.output.turntable and run.records():
         failed |= _film(run, settings, log)
-    return _conclude(run, frames, failed, common)
+    return conclude(run, frames, failed, as_json=common.json)
 
 
 def show_presets(common) -> int:
@@ -186,17 +186,6 @@ def _film(run: Run, settings: SimulateSettings, log: Progress) -> dict[str, str]
     except (ValueError, OSError) as error:
         return {FILM: describe(error)}
     return {}
-
-
-def _conclude(run: Run, frames: tuple[int, ...], failed: dict[str, str], common) -> int:
-    records = {frame: record for frame, record in run.records().items() if frame in frames}
-    if common.json:
-        print(json.dumps({"folder": str(run.folder), "frames": list(records.values()), "failed": failed}))
-    else:
-        print(f"{run.folder}: {len(records)} of {len(frames)} frames")
-    for name, error in failed.items():
-        print(f"error: {name}: {error}", file=sys.stderr)
-    return 1 if failed else 0
 
 
 def _size(text: str) -> tuple[int, int]:
