@@ -18,7 +18,7 @@ from warpfluid.projector import Projector, directions
 from warpfluid.simulation.pressure import hold, make_incompressible
 from warpfluid.simulation.state import Faces, Solids
 
-SWEEPS = 2  # of balancing; they make the views exact
+SWEEPS = 4  # of balancing; they make the views exact
 PASSES = 4  # of guided projection
 
 
