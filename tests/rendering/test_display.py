@@ -16,24 +16,24 @@ def test_srgb_round_trip():
     np.testing.assert_allclose(encode_srgb(decode_srgb(values)), values, atol=1e-6)
 
 
-@pytest.mark.parametrize("shoulder", [0.2, 0.6, 1.0])
-def test_light_below_the_shoulder_is_kept(shoulder):
-    light = np.linspace(0, shoulder, 20)[:, None].repeat(3, axis=1)
-    np.testing.assert_allclose(decode_srgb(develop(light, shoulder=shoulder)), light, atol=2e-6)
+@pytest.mark.parametrize("rolloff", [0.2, 0.6, 1.0])
+def test_light_below_the_rolloff_is_kept(rolloff):
+    light = np.linspace(0, rolloff, 20)[:, None].repeat(3, axis=1)
+    np.testing.assert_allclose(decode_srgb(develop(light, rolloff=rolloff)), light, atol=2e-6)
 
 
-def test_shoulder_is_smooth_and_rises_to_white():
+def test_rolloff_is_smooth_and_rises_to_white():
     light = np.linspace(0, 8, 4001)[:, None].repeat(3, axis=1)
-    shown = decode_srgb(develop(light, shoulder=0.5))[:, 0]
+    shown = decode_srgb(develop(light, rolloff=0.5))[:, 0]
     slope = np.diff(shown) / np.diff(light[:, 0])
     assert (slope > -1e-5).all()
     assert np.abs(np.diff(slope[light[1:, 0] < 0.9])).max() < 0.02
     assert 0.999 < shown[-1] <= 1
 
 
-def test_clipping_is_a_shoulder_of_one():
+def test_clipping_is_a_rolloff_of_one():
     light = np.array([[0.25, 1.0, 7.0]])
-    np.testing.assert_allclose(decode_srgb(develop(light, shoulder=1.0)), [[0.25, 1, 1]], atol=1e-6)
+    np.testing.assert_allclose(decode_srgb(develop(light, rolloff=1.0)), [[0.25, 1, 1]], atol=1e-6)
 
 
 def test_very_bright_colour_turns_pale():

@@ -9,6 +9,7 @@ from warpfluid.options.reconstruct import (
     ReconstructOptions,
     default_angles,
 )
+from warpfluid.options.render import CameraOptions, LightOptions, RenderOptions
 from warpfluid.options.scene import (
     THINGS,
     BodyOptions,
@@ -26,12 +27,15 @@ __all__ = [
     "SIMULATE_PAPER",
     "THINGS",
     "BodyOptions",
+    "CameraOptions",
     "EmitterOptions",
     "ForceOptions",
     "InputOptions",
+    "LightOptions",
     "ObstacleOptions",
     "OutputOptions",
     "ReconstructOptions",
+    "RenderOptions",
     "Scene",
     "SimulateOptions",
     "check_options",

@@ -4,7 +4,9 @@ import math
 from dataclasses import fields
 from typing import get_args, get_type_hints
 
-from warpfluid.options.keys import Keyed
+import numpy as np
+
+from warpfluid.options.keys import FIELDS, Keyed, Ramp, is_ramp
 
 RANGES = {
     "iterations": (0, 1000),
@@ -29,6 +31,10 @@ RANGES = {
     "black_level": (0, 254),
     "voxel_size": (1e-9, 1e9),
     "drop_below": (0, 1),
+    # compare
+    "measured_frames": (1, 1000),
+    "start_angle": (-360, 360),
+    "turn_step": (-90, 90),
     # simulate
     "fps": (0.1, 1000),
     "time_scale": (0, 10),
@@ -82,13 +88,45 @@ RANGES = {
     "carry": (0, 100),
     "restitution": (0, 1),
     "friction": (0, 10),
+    # render
+    "angle": (-1e6, 1e6),
+    "elevation": (-90, 90),
+    "distance": (0.01, 1e5),
+    "field_of_view": (1, 150),
+    "zoom": (1e-3, 1000),
+    "turntable": (2, 7200),
+    "eye_distance": (0, 100),
+    "convergence": (0.01, 1e5),
+    "key_strength": (0, 1e4),
+    "key_color": (0, 1e3),
+    "ambient": (0, 1e4),
+    "ambient_color": (0, 1e3),
+    "probe_rotation": (-1e6, 1e6),
+    "probe_strength": (0, 1e4),
+    "ground_color": (0, 1),
+    "body_color": (0, 1),
+    "bias": (-0.99, 0.99),
+    "thickness": (0, 1e4),
+    "glow": (0, 1e6),
+    "anisotropy": (-0.95, 0.95),
+    "edge_fade": (0, 1000),
+    "exposure": (-20, 20),
+    "rolloff": (0, 1),
+    "backdrop": (0, 1),
+    "motion_blur": (0, 1),
+    "blur_samples": (2, 64),
+    "error": (1e-5, 0.1),
 }
 
 # Options of three numbers, x,y,z.
 VECTORS = {"gravity", "wind", "center", "size", "rotation", "velocity", "spin", "direction"}
+VECTORS |= {"target", "key_light", "key_color", "ambient_color", "ground_color", "body_color", "backdrop"}
+
+# Numbers that may depend on a field of the fluid.
+RAMPED = {"blend", "swirl"}
 
 # Words that a number's place may take.
-WORDS = {"density_dissipation": ("auto",)}
+WORDS = {"density_dissipation": ("auto",), "distance": ("auto",), "convergence": ("auto",)}
 
 
 def check_options(options) -> None:
@@ -107,8 +145,9 @@ def check_options(options) -> None:
         choices = [kind for kind in kinds if isinstance(kind, str)]
         if choices and value not in choices:
             problems.append(f"{name} is {value!r}, expected one of {', '.join(choices)}")
-        elif bool in kinds and not isinstance(value, bool):
-            problems.append(f"{name} is {value!r}, expected true or false")
+        elif bool in kinds:
+            if not isinstance(value, bool):
+                problems.append(f"{name} is {value!r}, expected true or false")
         elif float in kinds and str in kinds:
             problems += check_keyed(field.name, value, words=WORDS.get(field.name, ()))
         elif field.name in VECTORS:
@@ -139,16 +178,23 @@ def check_keyed(field: str, value, *, size: int = 1, words: tuple[str, ...] = ()
     form = "three numbers such as 0,1,0" if size == 3 else "a number"
     expected = "".join(f"{word}, " for word in words) + f"{form}, or keys such as "
     expected += "1:0,0,0;24:0,1,0" if size == 3 else "1:0.5;24:2"
+    if field in RAMPED:
+        expected += f", or a field ({', '.join(FIELDS)}) and its keys such as density 0:0;1:2"
     try:
-        values = (
-            Keyed(value, size).values if isinstance(value, int | float | str) and not isinstance(value, bool) else None
-        )
+        values = _values(value, size, ramped=field in RAMPED)
     except ValueError:
         values = None
     if values is None:
         return [f"{name} is {value!r}, expected {expected}"]
     wrong = values[(values < low) | (values > high)]
     return [f"{name} is {number:.10g}, expected {low:.10g} to {high:.10g}" for number in wrong[:1]]
+
+
+def _values(value, size: int, *, ramped: bool) -> np.ndarray | None:
+    """Return the values of what is keyed or a ramp, None for what cannot be either."""
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        return None
+    return Ramp(value).values if ramped and is_ramp(value) else Keyed(value, size).values
 
 
 def _is_number(value, *, whole: bool) -> bool:

@@ -1,29 +1,29 @@
-"""From light to what a screen shows: exposure, a soft shoulder for what is too bright, and the curve of sRGB."""
+"""From light to what a screen shows: exposure, a soft roll-off for what is too bright, and the curve of sRGB."""
 
 import numpy as np
 
 SPILL = 0.06  # share of the light above white that shows in the other channels, as in film: bright fire turns pale
 
 
-def develop(light: np.ndarray, *, exposure: float = 0.0, shoulder: float = 0.6) -> np.ndarray:
+def develop(light: np.ndarray, *, exposure: float = 0.0, rolloff: float = 0.6) -> np.ndarray:
     """Return light as the values of a screen.
 
-    Below ``shoulder`` light is shown as it is. Above, an exponential of the same slope brings all the rest below 1, so
+    Below ``rolloff`` light is shown as it is. Above, an exponential of the same slope brings all the rest below 1, so
     that bright parts keep a drawing; 1 clips instead, which is exact below white.
 
     Args:
         light: Linear light, 1 is white, any shape with red, green, blue last.
         exposure: Stops by which it is made brighter.
-        shoulder: Where the soft part begins, 0 to 1.
+        rolloff: Where the soft part begins, 0 to 1.
 
     Returns:
         Values of sRGB, 0 to 1, of the same shape.
     """
     light = np.maximum(np.asarray(light, np.float32) * np.float32(2.0**exposure), 0)
-    if shoulder < 1:
+    if rolloff < 1:
         light = light + np.float32(SPILL) * np.maximum(light - 1, 0).sum(axis=-1, keepdims=True)
-        room = np.float32(1 - shoulder)
-        light = np.where(light > shoulder, 1 - room * np.exp(-np.maximum(light - shoulder, 0) / room), light)
+        room = np.float32(1 - rolloff)
+        light = np.where(light > rolloff, 1 - room * np.exp(-np.maximum(light - rolloff, 0) / room), light)
     return encode_srgb(light)
 
 
