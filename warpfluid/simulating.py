@@ -14,7 +14,8 @@ from warpfluid.presets import preset_names, preset_settings
 from warpfluid.progress import Progress
 from warpfluid.run import FILM, SETTINGS, Run
 from warpfluid.settings import SimulateSettings, make_simulate_settings, read_settings
-from warpfluid.simulation.source import Source, open_source
+from warpfluid.simulation.source import USUAL_SIZE, Source, empty_box, fill_box
+from warpfluid.volumes import open_volumes
 
 USUAL_LENGTH = 48  # frames of a simulation that follows nothing
 
@@ -93,11 +94,12 @@ def _settle(asked: Asked, paper: bool, config: Path | None) -> tuple[SimulateSet
     if name and asked.size:
         raise ValueError("size is for an empty box, and there is a source: use --resolution-scale")
     chosen = {"size": size, "preset": asked.preset, "paper": paper, "config": config}
+    volumes = open_volumes(name) if name else None
+    if volumes and "output" not in document:
+        chosen["source_output"] = asdict(volumes.output)
     settings = make_simulate_settings(asked.source, asked.method, asked.output, asked.things, **chosen)
-    source = open_source(name, size=size, resolution_scale=settings.simulate.resolution_scale)
-    if name and "output" not in document:
-        stored = {"source_output": asdict(source.volumes.output)}
-        settings = make_simulate_settings(asked.source, asked.method, asked.output, asked.things, **chosen, **stored)
+    scale = settings.simulate.resolution_scale
+    source = fill_box(volumes, scale) if volumes else empty_box(size or USUAL_SIZE, scale)
     if not name and not any(settings.scene.emitter):
         raise ValueError("there is nothing to simulate: name a run or volumes, a --preset, or an --emitter")
     if len(source.frames) > 1 and settings.simulate.time_scale != 1:

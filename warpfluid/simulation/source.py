@@ -8,6 +8,7 @@ from warpfluid.volumes import VolumeSequence, open_volumes
 
 FULL = 0.99  # quantile of the density that counts as full
 WIDE = 4.0  # heights of a box are this many widths of a usual plume
+USUAL_SIZE = (96, 144)
 NOTHING = VolumeSequence(name="", files={})
 
 
@@ -59,9 +60,23 @@ def open_source(name: str | None, *, size: tuple[int, int] | None, resolution_sc
         OSError: If it cannot be read.
     """
     if name is None:
-        width, height = (max(4, round(n * resolution_scale)) for n in size or (96, 144))
-        return Source(shape=(width, width, height), reference=WIDE * 255 / height)
-    volumes = open_volumes(name)
+        return empty_box(size or USUAL_SIZE, resolution_scale)
+    return fill_box(open_volumes(name), resolution_scale)
+
+
+def empty_box(size: tuple[int, int], resolution_scale: float = 1.0) -> Source:
+    """Return a box of a width and height [voxel], as deep as wide, with nothing in it."""
+    width, height = (max(4, round(n * resolution_scale)) for n in size)
+    return Source(shape=(width, width, height), reference=WIDE * 255 / height)
+
+
+def fill_box(volumes: VolumeSequence, resolution_scale: float = 1.0) -> Source:
+    """Return volumes in a box that is as deep as wide.
+
+    Raises:
+        ValueError: If the first volume will not do.
+        OSError: If it cannot be read.
+    """
     first = _resample(volumes.density(volumes.frames[0]), resolution_scale)
     width, height = max(first.shape[:2]), first.shape[2]
     lit = first[first > 0]
