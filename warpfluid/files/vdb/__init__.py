@@ -7,10 +7,12 @@ and the *buffers* (the values of every leaf, in the same order). Of a leaf only 
 stored, packed with zlib.
 
 No package for the usual Python versions writes such files, so this one is our own: ``layout`` is what writing
-and reading share, ``leaves`` and ``writer`` write, ``stream``, ``blosc``, ``tree`` and ``reader`` read.
+and reading share, ``leaves`` and ``writer`` write, ``stream``, ``blosc``, ``tree`` and ``reader`` read,
+``facts`` tells what there is.
 """
 
-from warpfluid.files.vdb.reader import VdbFile, read_vdb
+from warpfluid.files.vdb.facts import vdb_facts
+from warpfluid.files.vdb.reader import read_vdb
 from warpfluid.files.vdb.writer import lost_mass, write_vdb
 
-__all__ = ["VdbFile", "lost_mass", "read_vdb", "write_vdb"]
+__all__ = ["lost_mass", "read_vdb", "vdb_facts", "write_vdb"]

@@ -4,9 +4,11 @@ import math
 from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
+from warpfluid.files.grids import GridFile
 from warpfluid.files.vdb import layout
 from warpfluid.files.vdb.stream import Packing, Stream
 from warpfluid.files.vdb.tree import Tree, read_tree
@@ -16,35 +18,15 @@ EMPTY_VOXELS = 2**27
 BOX_PER_ACTIVE = 1000
 
 
-@dataclass(frozen=True, kw_only=True)
-class VdbFile:
-    """The grids of a file on one lattice.
-
-    Attributes:
-        grids: Arrays by name, float32, shape (x, y, z) or (x, y, z, 3), all of one size.
-        voxel_size: Side of a voxel [world unit].
-        origin: Where the centre of voxel (0, 0, 0) lies [world unit].
-        metadata: Facts stored with the file, by name; ``creator`` is the program that wrote it.
-    """
-
-    grids: dict[str, np.ndarray]
-    voxel_size: float
-    origin: tuple[float, float, float]
-    metadata: dict[str, float | int | str | bool | tuple]
-
-
 @dataclass(frozen=True)
 class _Grid:
     """A grid as it stands in the file."""
 
     facts: dict
+    up: str
     voxel_size: float
     shift: tuple[float, ...]
     tree: Tree
-
-    @property
-    def up(self) -> str:
-        return "z" if self.facts.get(layout.UP_KEY) == "z" else "y"
 
     @property
     def lattice(self) -> tuple:
@@ -59,7 +41,9 @@ class _Grid:
         return [box for box in boxes if box is not None]
 
 
-def read_vdb(path: str | Path, names: Collection[str] | None = None) -> VdbFile:
+def read_vdb(
+    path: str | Path, names: Collection[str] | None = None, *, up: Literal["y", "z"] = "y"
+) -> GridFile:
     """Read the float and vector grids of an OpenVDB file as arrays.
 
     A file of ``write_vdb`` gives back the arrays that were written, in their axes whatever the file's up
@@ -69,9 +53,10 @@ def read_vdb(path: str | Path, names: Collection[str] | None = None) -> VdbFile:
     Args:
         path: The file.
         names: The grids to read; all by default.
+        up: The up axis of a file that does not tell.
 
     Returns:
-        The grids, and where they lie.
+        The grids, and where they lie, y up.
 
     Raises:
         ValueError: If this is no such file, or it is damaged, or a grid is of a kind that is not read.
@@ -80,15 +65,15 @@ def read_vdb(path: str | Path, names: Collection[str] | None = None) -> VdbFile:
     names = [names] if isinstance(names, str) else names
     data = Path(path).read_bytes()
     try:
-        return _read(Stream(data), names)
+        return _read(Stream(data), names, up)
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error
     except MemoryError as error:
         raise ValueError(f"{path}: its volumes do not fit into memory; choose with names=[...]") from error
 
 
-def _read(stream: Stream, names: Collection[str] | None) -> VdbFile:
-    has_offsets, identity = _read_header(stream)
+def _read(stream: Stream, names: Collection[str] | None, up: str) -> GridFile:
+    has_offsets, identity = read_header(stream)
     metadata = stream.metadata()
     own = metadata.get("creator") == layout.CREATOR and layout.is_content_id(identity)
     if own and layout.content_id(stream.data) != identity:
@@ -98,7 +83,7 @@ def _read(stream: Stream, names: Collection[str] | None) -> VdbFile:
         name, number = stream.text().partition("\x1e")[::2]  # OpenVDB numbers grids of one name so
         found.append(name)
         name = f"{name}[{number}]" if name in grids else name
-        grid = _read_grid(stream, name, has_offsets, wanted=names is None or name in names)
+        grid = _read_grid(stream, name, has_offsets, up, wanted=names is None or name in names)
         if grid:
             grids[name] = grid
     missing = sorted(set(names or ()) - set(grids))
@@ -108,7 +93,7 @@ def _read(stream: Stream, names: Collection[str] | None) -> VdbFile:
     return _on_one_lattice(grids, metadata, trusted=own)
 
 
-def _read_header(stream: Stream) -> tuple[bool, bytes]:
+def read_header(stream: Stream) -> tuple[bool, bytes]:
     """Read what all files begin with; return whether grids tell where they end, and the file's id."""
     if stream.data[:8] != layout.MAGIC.to_bytes(8, "little"):
         raise ValueError("this is not an OpenVDB file")
@@ -119,7 +104,7 @@ def _read_header(stream: Stream) -> tuple[bool, bytes]:
     return bool(has_offsets), stream.take(layout.ID.stop - layout.ID.start)
 
 
-def _read_grid(stream: Stream, name: str, has_offsets: bool, wanted: bool) -> _Grid | None:
+def _read_grid(stream: Stream, name: str, has_offsets: bool, up: str, wanted: bool) -> _Grid | None:
     """Read one grid, or pass over it."""
     kind, parent = stream.text(), stream.text()
     _, _, end = stream.unpack("<3q")
@@ -132,12 +117,13 @@ def _read_grid(stream: Stream, name: str, has_offsets: bool, wanted: bool) -> _G
         raise ValueError(f"grid {name!r} is {what}, not a float or vec3s tree; leave it out with names=[...]")
     packing = Packing(stream.number("<I"), kind.endswith(layout.HALF_SUFFIX), components)
     facts = stream.metadata()
-    voxel_size, shift = _read_transform(stream, name)
-    grid = _Grid(facts, voxel_size, shift, read_tree(stream, packing))
+    voxel_size, shift = read_transform(stream, name)
+    up = "z" if facts.get(layout.UP_KEY, up) == "z" else "y"
+    grid = _Grid(facts, up, voxel_size, shift, read_tree(stream, packing))
     return grid if wanted else None
 
 
-def _read_transform(stream: Stream, name: str) -> tuple[float, tuple[float, ...]]:
+def read_transform(stream: Stream, name: str) -> tuple[float, tuple[float, ...]]:
     """Read the map to the world; return the voxel size and where the voxel of index (0, 0, 0) lies."""
     kind, shift = stream.text(), (0.0, 0.0, 0.0)
     if kind == "TranslationMap":
@@ -156,7 +142,7 @@ def _read_transform(stream: Stream, name: str) -> tuple[float, tuple[float, ...]
     return float(scale[0]), shift
 
 
-def _on_one_lattice(grids: dict[str, _Grid], metadata: dict, trusted: bool) -> VdbFile:
+def _on_one_lattice(grids: dict[str, _Grid], metadata: dict, trusted: bool) -> GridFile:
     """Fill arrays that hold all grids."""
     lattices = {grid.lattice for grid in grids.values()}
     if len(lattices) > 1:
@@ -172,7 +158,7 @@ def _on_one_lattice(grids: dict[str, _Grid], metadata: dict, trusted: bool) -> V
     if up == "z":
         place = [place[0], place[2], 0 - (shift[1] + voxel_size * int(high[1]))]
     arrays = {name: _array(grid.tree, low, high, up) for name, grid in grids.items()}
-    return VdbFile(grids=arrays, voxel_size=voxel_size, origin=tuple(place), metadata=metadata)
+    return GridFile(grids=arrays, voxel_size=voxel_size, origin=tuple(place), metadata=metadata)
 
 
 def _array(tree: Tree, low: np.ndarray, high: np.ndarray, up: str) -> np.ndarray:

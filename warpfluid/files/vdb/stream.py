@@ -4,6 +4,7 @@ Every length is held against what is left of the file before anything is made fr
 ends in an error and not in gigabytes. Errors here do not know the file's name; ``read_vdb`` adds it.
 """
 
+import mmap
 import struct
 import zlib
 from dataclasses import dataclass
@@ -15,9 +16,9 @@ from warpfluid.files.vdb import blosc, layout
 
 @dataclass
 class Stream:
-    """The bytes of a file and the place up to which they are read."""
+    """The bytes of a file, or a file that is mapped into memory, and the place up to which they are read."""
 
-    data: bytes
+    data: bytes | mmap.mmap
     position: int = 0
 
     def take(self, size: int) -> bytes:

@@ -10,22 +10,24 @@ from warpfluid.files.vdb.stream import Packing, Stream
 
 
 @dataclass
-class Tree:
-    """What a grid holds apart from its background.
+class Topology:
+    """Which voxels a grid holds.
 
     Attributes:
         background: The value everywhere else, shape (components,).
         leaves: Index of each leaf's first voxel, shape (leaf, 3).
         active: Each leaf's active voxels, shape (leaf, 512).
-        values: Each leaf's values, shape (leaf, 512, components).
         tiles: Cubes of one value: index of the first voxel, voxels a side, value, whether active.
     """
 
     background: np.ndarray
     leaves: np.ndarray
     active: np.ndarray
-    values: np.ndarray
     tiles: list[tuple[np.ndarray, int, np.ndarray, bool]]
+
+    def count(self) -> int:
+        """Return the number of active voxels."""
+        return int(np.count_nonzero(self.active)) + sum(side**3 for _, side, _, active in self.tiles if active)
 
     def box(self) -> np.ndarray | None:
         """Return the first and the last index of active voxels, shape (2, 3), or None where there is none."""
@@ -33,6 +35,16 @@ class Tree:
         leaves = active_box(self.leaves, self.active)
         boxes = tiles if leaves is None else [*tiles, leaves]
         return np.array([np.min(boxes, 0)[0], np.max(boxes, 0)[1]]) if boxes else None
+
+@dataclass
+class Tree(Topology):
+    """What a grid holds apart from its background.
+
+    Attributes:
+        values: Each leaf's values, shape (leaf, 512, components).
+    """
+
+    values: np.ndarray
 
     def fill(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
         """Return the voxels from index ``low`` to ``high``, float32 of shape (i, j, k, components)."""
@@ -51,6 +63,26 @@ class Tree:
         return dense[tuple(map(slice, low - start, high - start + 1))]
 
 
+def read_topology(stream: Stream, packing: Packing) -> Topology:
+    """Read which voxels there are, up to the values of the leaves.
+
+    Args:
+        stream: The file, at the grid's topology.
+        packing: How the grid's values are stored; the background is read here.
+
+    Raises:
+        ValueError: If the bytes make no tree.
+    """
+    buffers = stream.number("<i")
+    if buffers != 1:
+        raise ValueError(f"the file is damaged or not of this kind: a tree of {buffers} buffers")
+    nodes = _Nodes(stream, replace(packing, background=packing.vector(stream)))
+    nodes.read_root()
+    leaves = np.concatenate([np.zeros((0, 3), np.int64), *nodes.leaves])
+    active = np.unpackbits(np.frombuffer(b"".join(nodes.masks), np.uint8), bitorder="little").view(bool)
+    return Topology(nodes.packing.background, leaves, active.reshape(len(leaves), layout.LEAF_VOXELS), nodes.tiles)
+
+
 def read_tree(stream: Stream, packing: Packing) -> Tree:
     """Read topology and buffers.
 
@@ -64,22 +96,16 @@ def read_tree(stream: Stream, packing: Packing) -> Tree:
     Raises:
         ValueError: If the bytes make no tree.
     """
-    buffers = stream.number("<i")
-    if buffers != 1:
-        raise ValueError(f"the file is damaged or not of this kind: a tree of {buffers} buffers")
-    nodes = _Nodes(stream, replace(packing, background=packing.vector(stream)))
-    nodes.read_root()
-    leaves = np.concatenate([np.zeros((0, 3), np.int64), *nodes.leaves])
-    masks = b"".join(nodes.masks)
-    active = np.unpackbits(np.frombuffer(masks, np.uint8), bitorder="little").view(bool)
-    active = active.reshape(len(leaves), layout.LEAF_VOXELS)
+    found = read_topology(stream, packing)
+    packing, active = replace(packing, background=found.background), found.active
+    masks = np.packbits(active, axis=-1, bitorder="little").tobytes()
     values = np.empty((*active.shape, packing.components), np.float32)
-    values[:] = nodes.packing.background
-    for row in range(len(leaves)):
+    values[:] = found.background
+    for row in range(len(active)):
         if stream.take(64) != masks[64 * row : 64 * row + 64]:
             raise ValueError(f"the file is damaged: a leaf's two masks differ (byte {stream.position})")
-        nodes.packing.read(stream, active[row], values[row])
-    return Tree(nodes.packing.background, leaves, active, values, nodes.tiles)
+        packing.read(stream, active[row], values[row])
+    return Tree(found.background, found.leaves, active, found.tiles, values)
 
 
 @dataclass
