@@ -14,19 +14,23 @@ from warpfluid.options import (
     SIMULATE_PAPER,
     THINGS,
     BodyOptions,
+    CameraOptions,
     EmitterOptions,
     ForceOptions,
     InputOptions,
+    LightOptions,
     ObstacleOptions,
     OutputOptions,
     ReconstructOptions,
+    RenderOptions,
     SimulateOptions,
     default_angles,
 )
 from warpfluid.options.checks import VECTORS, WORDS
 
-COMMANDS = ((InputOptions, ReconstructOptions, OutputOptions), (SimulateOptions, OutputOptions))
-CLASSES = (InputOptions, ReconstructOptions, SimulateOptions, OutputOptions, *THINGS.values())
+PICTURE = (CameraOptions, LightOptions, RenderOptions)
+COMMANDS = ((InputOptions, ReconstructOptions, OutputOptions), (SimulateOptions, OutputOptions), PICTURE)
+CLASSES = (InputOptions, ReconstructOptions, SimulateOptions, OutputOptions, *PICTURE, *THINGS.values())
 FREE = {"white"}  # numbers that have no range: any positive value
 OWNERS = [(options, field.name) for options in CLASSES for field in dataclasses.fields(options)]
 
@@ -50,7 +54,7 @@ def test_every_vector_and_word_exists():
     assert set(WORDS) <= {name for _, name in OWNERS}
 
 
-@pytest.mark.parametrize("classes", COMMANDS, ids=["reconstruct", "simulate"])
+@pytest.mark.parametrize("classes", COMMANDS, ids=["reconstruct", "simulate", "render"])
 def test_names_are_unlike(classes):
     """One flag names one option of a command, whatever class it belongs to; none is a flag of the command."""
     names = [field.name for options in classes for field in dataclasses.fields(options)]
