@@ -15,7 +15,7 @@ LAYERS = [
     {"files", "options", "kernels", "device", "errors"},
     {"presets", "views", "footage", "metrics", "projector", "balance", "settings", "run", "volumes", "motion"},
     {"reconstruction", "rendering", "simulation"},
-    {"report", "commands", "simulating", "outcome", "progress", "doctor"},
+    {"report", "commands", "comparing", "comparison", "simulating", "outcome", "progress", "doctor"},
     {"cli"},
 ]
 

@@ -1,6 +1,6 @@
 """The command line, a file for each command."""
 
-from warpfluid.cli import demo, doctor, export, flow, inspect, reconstruct, simulate
+from warpfluid.cli import compare, demo, doctor, export, flow, inspect, reconstruct, simulate
 from warpfluid.cli.app import app, main
 
-__all__ = ["app", "demo", "doctor", "export", "flow", "inspect", "main", "reconstruct", "simulate"]
+__all__ = ["app", "compare", "demo", "doctor", "export", "flow", "inspect", "main", "reconstruct", "simulate"]

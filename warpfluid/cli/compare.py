@@ -1,0 +1,32 @@
+"""``warpfluid compare``: results against each other and the truth."""
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated, get_args
+
+from cyclopts import Parameter
+
+from warpfluid.cli.app import app
+from warpfluid.cli.flags import COMMON, Common, make_flags
+from warpfluid.options.compare import CompareOptions
+
+CompareFlags = make_flags(CompareOptions, "Comparison", 1)
+NO_CHOICES = get_args(CompareFlags)[0]()
+
+
+@app.command
+def compare(
+    *results: Annotated[str, Parameter(help="Runs, or volumes: a folder, pattern or file, .vdb or .npz")],
+    truth: Annotated[str | None, Parameter(help="The true volumes, or a run that counts as true")] = None,
+    out: Annotated[
+        list[Path] | None,
+        Parameter(name=["--out", "-o"], negative=(), help="Film (.mp4, .webp, .gif) or sheet (.png); once for each"),
+    ] = None,
+    choices: CompareFlags = NO_CHOICES,
+    common: Common = COMMON,
+) -> int:
+    """Measure results against the truth or their footage, with floors; show them side by side."""
+    from warpfluid import comparing
+
+    given = {name: value for name, value in asdict(choices).items() if value is not None}
+    return comparing.compare(results, truth, CompareOptions(**given), out or (), common)
