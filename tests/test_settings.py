@@ -107,6 +107,14 @@ def test_order_of_a_simulation(tmp_path, monkeypatch, given, file, expected):
     assert {name: getattr(made.simulate, name) for name in expected} == expected
 
 
+def test_a_preset_counts_more_than_the_paper(tmp_path):
+    """Where both name a number; all else of the paper stays."""
+    (tmp_path / "c.toml").write_text("[simulate]\ndensity_dissipation = 3.0\nblend = 0.9")
+    made = simulate("a", tmp_path / "c.toml", preset="smoke", paper=True).simulate
+    assert made.density_dissipation == 0.08
+    assert (made.order, made.blend) == ("blend-first", 0.2)
+
+
 def test_the_source_decides_how_files_are_stored(tmp_path):
     """Unless a file or a flag says otherwise."""
     (tmp_path / "c.toml").write_text('[output]\nup = "y"')

@@ -98,7 +98,10 @@ def make_simulate_settings(
     config: Path | None = None,
     source_output: dict | None = None,
 ) -> SimulateSettings:
-    """Put settings together: flags first, then the paper's choices or a preset, the file, the source, the defaults.
+    """Put settings together: flags, a preset, the paper's choices, the file, the source, the defaults; the first counts most.
+
+    What is typed counts more than what is stored, and a preset, which says what is simulated, more than ``paper``, which
+    says how.
 
     Args:
         source: A run or volumes; that of the configuration when None.

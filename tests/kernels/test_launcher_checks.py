@@ -13,10 +13,13 @@ from warpfluid.device import pick_device
 from warpfluid.kernels import (
     advection,
     blur,
+    centres,
+    coarsen,
     coefficients,
     combustion,
     correction,
     correlation,
+    curves,
     decay,
     diffusion,
     edges,
@@ -34,6 +37,10 @@ from warpfluid.kernels import (
     probe,
     projection,
     pushes,
+    ramp,
+    reach,
+    scattered,
+    shadow,
     shapes,
     shares,
     spline,
@@ -125,6 +132,14 @@ LAUNCHERS = {
     ),
     guidance.guide: ({"velocity": volume, "low": volume, "target": volume}, {"weight": 1.0}),
     guidance.blend: ({"density": volume, "volume": volume}, {"add": 0.2}),
+    guidance.mix: ({"field": volume, "other": volume, "share": volume}, {}),
+    centres.to_centres: ({"component": floats(N + 1, N, HEIGHTS)}, {"axis": 0}),
+    centres.measure_speed: (on_faces, {}),
+    ramp.look_up: ({"field": volume, "out": volume}, {"inputs": np.array([0.0, 1.0]), "values": np.array([0.0, 2.0])}),
+    reach.make_reach: (
+        {"out": volume},
+        {"centre": (3.0, 3.0, 3.0), "radius": 2.0, "sides": SIX(OPEN, OPEN, OPEN, OPEN, CLOSED, OPEN)},
+    ),
     guidance.to_faces: ({"field": volume, "out": floats(N + 1, N, HEIGHTS)}, {"axis": 0, "scale": 1.0}),
     combustion.burn_fuel: (
         {"fuel": volume, "temperature": volume, "density": volume, "flame": volume, "out": volume},
@@ -244,6 +259,27 @@ LAUNCHERS = {
         {"now": picture, "later": picture, "flow": floats(2, N, HEIGHTS), "out": floats(5, N, HEIGHTS)},
         {"weight": 1.0},
     ),
+    shadow.shadow: ({"extinction": volume, "out": volume}, {"direction": (1.0, 0.5, -2.0)}),
+    coarsen.coarsen: ({"field": volume}, {"factor": 2}),
+    coarsen.refine: ({"coarse": floats(N // 2, N // 2, HEIGHTS // 2), "out": volume}, {"factor": 2}),
+    curves.look_up: (
+        {"field": volume, "values": floats(3), "times": volume, "out": volume},
+        {"top": 2.0},
+    ),
+    scattered.add_light: (
+        {"transmittance": volume, "light": floats(4, N, N, HEIGHTS)},
+        {"weight": 0.1, "radiance": (1.0, 2.0, 3.0)},
+    ),
+    scattered.scatter_again: (
+        {
+            "light": floats(4, N // 2, N // 2, HEIGHTS // 2),
+            "field": volume,
+            "albedo": lambda device: wp.zeros(2, dtype=wp.vec3, device=device),
+            "suns": floats(2, N, N, HEIGHTS),
+            "irradiance": lambda device: wp.zeros(2, dtype=wp.vec3, device=device),
+        },
+        {"factor": 2, "top": 1.0},
+    ),
     optical_flow.regularize: (
         {
             "flow": floats(2, N, HEIGHTS),
@@ -262,6 +298,9 @@ OPTIONAL = {
     (correlation.expand, "out"),
     (pictures.median, "out"),
     (advection.advect, "out"),
+    (shadow.shadow, "out"),
+    (curves.look_up, "times"),
+    (curves.look_up, "out"),
     (blur.blur, "scratch"),
     (blur.blur, "out"),
     (blur.convolve, "scratch"),
@@ -289,6 +328,10 @@ OPTIONAL = {
 MAY_BE_SHORT = {
     (pair_prices.price_pairs, "picture"),
     (pictures.resize, "field"),
+    (coarsen.coarsen, "field"),
+    (coarsen.refine, "out"),  # an odd number of voxels
+    (curves.look_up, "values"),
+    (scattered.scatter_again, "albedo"),
     (decay.decay, "field"),
     (lattice.interpolate, "tile"),
     (lattice.interpolate, "out"),

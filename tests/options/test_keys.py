@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from warpfluid.options.keys import Keyed
+from warpfluid.options.keys import FIELDS, Keyed, Ramp, is_ramp
 
 numbers = st.floats(-1e6, 1e6)
 frames = st.lists(st.integers(-1000, 10000), min_size=1, max_size=6, unique=True).map(sorted)
@@ -81,3 +81,37 @@ def test_what_is_no_keyed_number(text, size, words):
     """Nothing is guessed."""
     with pytest.raises(ValueError, match=words):
         Keyed(text, size)
+
+
+@given(keys(), st.sampled_from(FIELDS))
+def test_a_ramp_is_a_field_and_its_keys(found, field):
+    """What the keys say of frames a ramp says of values."""
+    text = f"  {field} {spell(*found)}"
+    assert is_ramp(text)
+    ramp = Ramp(text)
+    assert ramp.field == field
+    np.testing.assert_array_equal(ramp.inputs, found[0])
+    np.testing.assert_array_equal(ramp.values, found[1][:, 0])
+
+
+@pytest.mark.parametrize("value", [3, 1.5, "3", "1:0;2:4", "auto", "", "dens 0:1", "nan", True, None])
+def test_what_is_no_ramp(value):
+    """Only a field's name begins one."""
+    assert not is_ramp(value)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("heat 0:0;1:2", "'heat' is no field, expected one of density, temperature, speed"),
+        ("density", "could not convert"),
+        ("density 1:0;0:2", "must rise"),
+        ("speed 0:0;1", "'1' has no frame"),
+        ("density 0:inf", "inf is not finite"),
+        ("density 0:__import__('os')", "could not convert"),
+    ],
+)
+def test_what_is_a_wrong_ramp(text, words):
+    """Nothing is guessed, and nothing is run."""
+    with pytest.raises(ValueError, match=words):
+        Ramp(text)

@@ -24,6 +24,13 @@ def blend_kernel(volume: wp.array[float], add: float, subtract: float, out: wp.a
 
 
 @wp.kernel
+def mix_kernel(other: wp.array[float], share: wp.array[float], out: wp.array[float]):
+    """Take a share of something else."""
+    i = wp.tid()
+    out[i] = out[i] + share[i] * (other[i] - out[i])
+
+
+@wp.kernel
 def to_faces_kernel(
     first_row: int,
     first_block: int,
@@ -83,6 +90,23 @@ def blend(density: wp.array3d[float], volume: wp.array3d[float], *, add: float, 
         ValueError: If shapes, types or devices do not fit.
     """
     return elementwise(blend_kernel, [volume, add, subtract], density) if add or subtract else density
+
+
+def mix(field: wp.array3d[float], other: wp.array3d[float], *, share: wp.array3d[float]) -> wp.array:
+    """Take a share of another field that differs from voxel to voxel, in place.
+
+    Args:
+        field: Shape (x, z, y).
+        other: What to take, the same shape.
+        share: How much of it, 0 to 1, the same shape.
+
+    Returns:
+        ``field``.
+
+    Raises:
+        ValueError: If shapes, types or devices do not fit.
+    """
+    return elementwise(mix_kernel, [other, share], field)
 
 
 def to_faces(field: wp.array3d[float], *, axis: int, scale: float, out: wp.array3d[float]) -> wp.array3d[float]:

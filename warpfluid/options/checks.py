@@ -156,7 +156,7 @@ def check_options(options) -> None:
             problems.append(f"{name} is {value!r}, expected text")
         elif (int in kinds or float in kinds) and not _is_number(value, whole=int in kinds):
             problems.append(f"{name} is {value!r}, expected a {'whole ' if int in kinds else ''}number")
-        elif field.name in RANGES and not RANGES[field.name][0] <= value <= RANGES[field.name][1]:
+        elif bool not in kinds and not _in_range(field.name, value):
             low, high = RANGES[field.name]
             problems.append(f"{name} is {value:.10g}, expected {low:.10g} to {high:.10g}")
     if problems:
@@ -195,6 +195,11 @@ def _values(value, size: int, *, ramped: bool) -> np.ndarray | None:
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         return None
     return Ramp(value).values if ramped and is_ramp(value) else Keyed(value, size).values
+
+
+def _in_range(field: str, value) -> bool:
+    low, high = RANGES.get(field, (-math.inf, math.inf))
+    return isinstance(value, str) or low <= value <= high
 
 
 def _is_number(value, *, whole: bool) -> bool:

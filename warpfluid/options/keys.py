@@ -1,8 +1,14 @@
-"""Numbers that may change over the frames: ``6``, or ``1:6;50:2.5`` for 6 at frame 1, falling to 2.5 at frame 50."""
+"""Numbers that may change: over the frames, or over the fluid.
+
+``6`` is constant, ``1:6;50:2.5`` is 6 at frame 1 and falls to 2.5 at frame 50, and ``density 0:0;1:4`` is 0 where there
+is nothing and rises to 4 at full density.
+"""
 
 import math
 
 import numpy as np
+
+FIELDS = ("density", "temperature", "speed")  # full density is 1; units a second
 
 
 class Keyed:
@@ -28,6 +34,34 @@ class Keyed:
         """Return the value at a frame: linear between keys, constant before the first and after the last."""
         found = np.array([np.interp(frame, self.frames, column) for column in self.values.T])
         return float(found[0]) if found.size == 1 else found
+
+
+class Ramp:
+    """A number that depends on a field of the fluid.
+
+    Args:
+        text: The field, one of ``FIELDS``, then ``VALUE OF THE FIELD:NUMBER`` pairs separated by semicolons.
+
+    Attributes:
+        field: Its name.
+        inputs: Values of the field, rising.
+        values: The number at each; linear between them, constant before the first and after the last.
+
+    Raises:
+        ValueError: If the text is none of this.
+    """
+
+    def __init__(self, text: str):
+        self.field, _, pairs = text.strip().partition(" ")
+        if self.field not in FIELDS:
+            raise ValueError(f"{self.field!r} is no field, expected one of {', '.join(FIELDS)}")
+        keyed = Keyed(pairs)
+        self.inputs, self.values = keyed.frames, keyed.values[:, 0]
+
+
+def is_ramp(value) -> bool:
+    """Return whether a number's place is taken by what begins as a ramp does, with the name of a field."""
+    return isinstance(value, str) and value.strip().partition(" ")[0] in FIELDS
 
 
 def _split(key: str, first: bool) -> tuple[float, str]:

@@ -11,6 +11,7 @@ from typing import Annotated, Literal, get_args, get_type_hints
 from warpfluid.options.checks import check_options
 
 SHAPES = ("sphere", "box", "cylinder", "mesh")
+EVERYWHERE = ("uniform", "wind", "drag")  # kinds of force that act everywhere unless they have a radius
 Shape = Literal["sphere", "box", "cylinder", "mesh"]
 
 
@@ -24,13 +25,13 @@ class EmitterOptions:
     size: Annotated[str, "Of a box; a cylinder's height is its second number"] = "1,1,1"
     rotation: Annotated[str, "Of a box or mesh, about x, then y, then z [degree]"] = "0,0,0"
     mesh: Annotated[str | None, "File of a closed mesh, .obj, .stl or .ply"] = None
-    soft_edge: Annotated[float, "Width over which it fades out"] = 0.2
+    soft_edge: Annotated[float | str, "Width over which it fades out"] = 0.2
     density: Annotated[float | str, "Full densities a second"] = 0.0
     temperature: Annotated[float | str, "What it heats to"] = 0.0
     fuel: Annotated[float | str, "Full densities of fuel a second"] = 0.0
     velocity: Annotated[str, "Velocity it gives the fluid"] = "0,0,0"
     drive: Annotated[float | str, "Rate at which the fluid takes it [1/s]"] = 0.0
-    noise: Annotated[float, "How much it flickers, 0-1"] = 0.0
+    noise: Annotated[float | str, "How much it flickers, 0-1"] = 0.0
     noise_frequency: Annotated[float, "Spots of the flicker a unit of length"] = 1.0
     noise_speed: Annotated[float, "How fast it flickers [1/s]"] = 2.0
     seed: Annotated[int, "Of the flicker"] = 0
@@ -63,12 +64,22 @@ class ForceOptions:
         "uniform along direction, radial from center, attractor to center, vortex about direction, wind, drag",
     ] = "uniform"
     strength: Annotated[float | str, "Acceleration; of wind and drag the rate [1/s]"] = 1.0
-    center: Annotated[str, "Where it is"] = "0,3,0"
-    radius: Annotated[float | None, "How far it reaches, 2 by default; a uniform force everywhere"] = None
+    center: Annotated[str | None, "Where it is, 0,3,0 by default; a wind or drag that is local needs a radius, too"] = (
+        None
+    )
+    radius: Annotated[
+        float | str | None,
+        "How far it reaches, 2 by default; uniform, wind and drag everywhere; a wind with it is a fan",
+    ] = None
     direction: Annotated[str, "Of a uniform force and a vortex; of wind its velocity"] = "0,1,0"
 
     def __post_init__(self):
         check_options(self)
+        if self.kind in EVERYWHERE and self.center is not None and self.radius is None:
+            raise ValueError(
+                f"center is {self.center} without a radius, and a {self.kind} force without one acts everywhere: "
+                "add radius=2, or leave the center out"
+            )
 
 
 @dataclass(frozen=True, kw_only=True)

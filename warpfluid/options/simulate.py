@@ -1,7 +1,8 @@
 """The choices of Section 4: how the simulator follows the volumes, and what the artist adds.
 
 Lengths are in tenths of the box's height, as Maya's container is ten units tall unless told otherwise, and times in
-seconds, so a number means the same at every resolution. A ``float | str`` may be keyed over frames (``keys.py``).
+seconds, so a number means the same at every resolution. A ``float | str`` may be keyed over frames, and swirl and blend
+may depend on a field of the fluid (``keys.py``).
 """
 
 from dataclasses import dataclass
@@ -33,16 +34,17 @@ class SimulateOptions:
         Literal["step-first", "blend-first"], "Correct towards the volume after the step, or before it (the paper)"
     ] = "step-first"
     blend: Annotated[
-        float | str, "Share of the volume in the density where the density is lower (lambda of Eq. 10)"
+        float | str,
+        "Share of the volume in the density where the density is lower (lambda of Eq. 10); may depend on a field",
     ] = 0.5
     subtract: Annotated[float | str, "The same where it is higher, as a part of blend; 0 only adds (the paper)"] = 1.0
     fidelity: Annotated[
-        float | None,
+        float | str | None,
         "Pull towards the footage, 0-1: of the balancing against its views and of guide-weight; below 1 the volumes "
         "are followed to where the edit has carried them. By default 1, 0.3 once anything is added",
     ] = None
     guide_weight: Annotated[float | str, "Share of the footage in the slow motion (Eqs. 8-9); 0 ignores its flow"] = 1.0
-    guide_radius: Annotated[float, "Standard deviation of the blur G of Eqs. 8-9 [voxel]"] = 2.0
+    guide_radius: Annotated[float | str, "Standard deviation of the blur G of Eqs. 8-9 [voxel]"] = 2.0
     guide_mode: Annotated[
         Literal["replace", "project"], "replace low frequencies, or find a divergence-free velocity that has them"
     ] = "replace"
@@ -57,7 +59,9 @@ class SimulateOptions:
     liquid_weight: Annotated[
         float | str, "Mass of full density against the air's, less one: 20 falls as a liquid does; 0 is a gas"
     ] = 0.0
-    swirl: Annotated[float | str, "Vorticity confinement: makes curls stronger"] = 0.0
+    swirl: Annotated[
+        float | str, "Vorticity confinement: makes curls stronger, where there is fluid; may depend on a field"
+    ] = 0.0
     turbulence_strength: Annotated[
         float | str, "Force of moving noise; 1 accelerates by a box height a second squared"
     ] = 0.0
@@ -84,7 +88,7 @@ class SimulateOptions:
         1.0
     )
     cooling: Annotated[float | str, "Rate at which the hottest gas cools by radiation [1/s]"] = 1.0
-    max_temperature: Annotated[float, "Temperature that fire does not exceed"] = 2.0
+    max_temperature: Annotated[float | str, "Temperature that fire does not exceed"] = 2.0
     flame_fade: Annotated[float | str, "Rate at which a flame goes out where nothing burns [1/s]"] = 6.0
     # solver
     advection: Annotated[

@@ -19,6 +19,7 @@ from warpfluid.simulation.animation import Animation
 from warpfluid.simulation.cause import name_cause
 from warpfluid.simulation.checkpoint import load_state, save_state
 from warpfluid.simulation.displacement import advance_displacement, displaced
+from warpfluid.simulation.fields import number_or_field
 from warpfluid.simulation.forces import place_force
 from warpfluid.simulation.guidance import Footage, Motion, follow, on_faces
 from warpfluid.simulation.physics import Physics
@@ -76,7 +77,9 @@ class Animator:
                         steps += self.advance(frame - early, frame - early + 1, follows=False)
                 self._check_finite()
             except FloatingPointError as error:
-                raise ValueError(f"frame {frame}: {error}; {self._cause(frame - 1 if last is None else last, frame)}") from error
+                raise ValueError(
+                    f"frame {frame}: {error}; {self._cause(frame - 1 if last is None else last, frame)}"
+                ) from error
             yield self._write(run, frame, steps, begin)
             last = frame
 
@@ -85,18 +88,16 @@ class Animator:
         options = self.animation.options
         seconds = (later - frame) / options.fps * Keyed(options.time_scale).at(frame)
         now, then = (self._volume(number) if follows else None for number in (frame, later))
-        weight = Keyed(options.blend).at(frame)
-        subtract = Keyed(options.subtract).at(frame)
         if options.order == "blend-first" and now:
-            self._correct(now, weight, subtract)
+            self._correct(now, frame)
         around = self._surroundings(frame, later, seconds, now, then)
         steps = self.solver.step(self.state, frame, seconds, around)
         gravity = -float(self.placing.vector(options.gravity, frame)[1])
         self.scenery.move(self.state, seconds, gravity=gravity)
         if then and options.order == "step-first":
-            self._correct(self._wanted(then, around.motion, seconds), weight, subtract)
+            self._correct(self._wanted(then, around.motion, seconds, frame), frame)
         if then:
-            self.footage.balance(self.state.density, then, power=self.animation.fidelity)
+            self.footage.balance(self.state.density, then, power=self.animation.fidelity(frame))
             if around.solids:
                 clear(self.state.density, around.solids)
             self._keep_total(then)
@@ -133,18 +134,19 @@ class Animator:
         """Return G(omega), the slow motion from one volume to the next [voxel/s]; None without two volumes."""
         if not (now and then and seconds):
             return None
-        options = self.animation.options
-        omega = self.footage.omega(now, then, method=options.flow, sigma=options.guide_radius)
-        return on_faces(omega, seconds, options.guide_radius)
+        sigma = self.solver.number("guide_radius", frame)
+        omega = self.footage.omega(now, then, method=self.animation.options.flow, sigma=sigma)
+        return on_faces(omega, seconds, sigma)
 
     def _motion(self, frame: int, seconds: float, now: wp.array | None, then: wp.array | None) -> Motion | None:
-        options, fidelity = self.animation.options, self.animation.fidelity
+        options, fidelity = self.animation.options, self.animation.fidelity(frame)
         weight = Keyed(options.guide_weight).at(frame) * (fidelity if options.order == "step-first" else 1.0)
         needed = weight > 0 or (fidelity < 1 and options.order == "step-first")
         omega = self._omega(frame, seconds, now, then) if needed else None
         if omega is None:
             return None
-        return Motion(omega, options.guide_radius, weight, self.solver.sides, options.guide_mode == "project")
+        sigma, project = self.solver.number("guide_radius", frame), options.guide_mode == "project"
+        return Motion(omega, sigma, weight, self.solver.sides, project)
 
     def _surroundings(self, frame: int, later: int, seconds: float, now, then) -> Surroundings:
         scene = self.animation.scene
@@ -155,18 +157,19 @@ class Animator:
             motion=self._motion(frame, seconds, now, then),
         )
 
-    def _wanted(self, volume: wp.array, motion: Motion | None, seconds: float) -> wp.array:
+    def _wanted(self, volume: wp.array, motion: Motion | None, seconds: float, frame: float) -> wp.array:
         """Return the volume that the fluid is drawn to: the source's, moved to where edits have carried it."""
-        keep = 1.0 - self.animation.fidelity
+        keep = 1.0 - self.animation.fidelity(frame)
         if not (motion and keep > 0):
             return volume
         state, sides = self.state, self.solver.sides
         state.away = advance_displacement(state.away, state.velocity, motion.target, sides, seconds, keep=keep)
         return displaced(volume, state.away)
 
-    def _correct(self, volume: wp.array, weight: float, subtract: float) -> None:
+    def _correct(self, volume: wp.array, frame: float) -> None:
         """Move density, heat and fuel towards a volume."""
-        state = self.state
+        state, subtract = self.state, self.solver.number("subtract", frame)
+        weight = number_or_field(self.animation.options.blend, frame, state, self.placing)
         if self.animation.options.combustion:
             missing = wp.clone(state.density)
             follow(missing, volume, weight=weight, subtract=0.0)
@@ -175,7 +178,7 @@ class Animator:
         follow(state.density, volume, weight=weight, subtract=subtract)
         self._heat(state.temperature, volume, weight, subtract)
 
-    def _heat(self, temperature: wp.array, volume: wp.array, weight: float, subtract: float) -> None:
+    def _heat(self, temperature: wp.array, volume: wp.array, weight: float | wp.array, subtract: float) -> None:
         """Move heat towards what a volume shows: where there is light, it is hot."""
         if weight:
             hot = wp.zeros_like(volume)

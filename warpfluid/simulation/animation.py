@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import warp as wp
 
 from warpfluid.options import OutputOptions, Scene, SimulateOptions
+from warpfluid.options.keys import Keyed
 from warpfluid.simulation.source import Source
 
 EDITED_FIDELITY = 0.3
@@ -40,11 +41,10 @@ class Animation:
     output: OutputOptions
     device: wp.Device
 
-    @property
-    def fidelity(self) -> float:
-        """How strongly the footage pulls: all the way, unless the artist adds something."""
+    def fidelity(self, frame: float) -> float:
+        """Return how strongly the footage pulls at a frame: all the way, unless the artist adds something."""
         if self.options.fidelity is not None:
-            return self.options.fidelity
+            return Keyed(self.options.fidelity).at(frame)
         return EDITED_FIDELITY if is_edited(self.options, self.scene) else 1.0
 
 

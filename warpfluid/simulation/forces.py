@@ -9,10 +9,13 @@ from warpfluid.kernels import decay, vectors
 from warpfluid.kernels.blur import blur
 from warpfluid.kernels.forces import add_buoyancy, add_wind
 from warpfluid.kernels.pushes import add_push
+from warpfluid.kernels.reach import make_reach
 from warpfluid.kernels.swirl import add_swirl
 from warpfluid.kernels.turbulence import add_turbulence
 from warpfluid.options import ForceOptions
 from warpfluid.options.keys import Keyed
+from warpfluid.options.scene import EVERYWHERE
+from warpfluid.simulation.fields import mark_fluid, number_or_field
 from warpfluid.simulation.physics import Physics
 from warpfluid.simulation.placing import UNITS, Placing
 from warpfluid.simulation.shapes import SWAP
@@ -20,6 +23,7 @@ from warpfluid.simulation.state import FluidState
 
 STANDARD_GRAVITY = 9.8
 SWIRL_UNITS = 0.1  # strength 1 turns an eddy faster by this many units a second
+USUAL_CENTER = "0,3,0"
 USUAL_REACH = 2.0  # of a force that has a centre
 MASK_SOFTNESS = 1 / 12  # blur of the turbulence's mask in waves; a hard rim would be pushed along itself
 
@@ -39,8 +43,10 @@ def place_force(options: ForceOptions, placing: Placing, frame: float) -> Force:
     rate = options.kind in ("wind", "drag")
     strength = Keyed(options.strength).at(frame) * (1 if rate else placing.unit)
     vector = placing.vector if options.kind == "wind" else lambda text, at: Keyed(text, 3).at(at)
-    centre, direction = SWAP @ placing.point(options.center, frame), SWAP @ vector(options.direction, frame)
-    reach = options.radius or (0.0 if options.kind == "uniform" else USUAL_REACH)
+    centre = SWAP @ placing.point(options.center or USUAL_CENTER, frame)
+    direction = SWAP @ vector(options.direction, frame)
+    usual = 0.0 if options.kind in EVERYWHERE else USUAL_REACH
+    reach = usual if options.radius is None else Keyed(options.radius).at(frame)
     return Force(options.kind, strength, tuple(centre), reach * placing.unit, tuple(direction))
 
 
@@ -49,19 +55,33 @@ def add_forces(physics: Physics, state: FluidState, frame: float, seconds: float
     _buoyancy(physics, state, frame, seconds)
     _turbulence(physics, state, frame, seconds)
     step = {"sides": physics.sides, "time_step": seconds}
+    _swirl(physics, state, frame, step)
     mask = decay.make_mask(state.density, reference=physics.placing.reference)
-    swirl = physics.number("swirl", frame) * SWIRL_UNITS * physics.placing.unit
-    if swirl:
-        add_swirl(*state.velocity, strength=swirl, **step)
     wind = SWAP @ physics.placing.vector(physics.options.wind, frame)
     if np.any(wind):
         add_wind(*state.velocity, wind=tuple(wind), rate=physics.number("wind_drag", frame), mask=mask, **step)
     for force in forces:
         if force.kind in ("wind", "drag"):
             wind = force.direction if force.kind == "wind" else (0.0, 0.0, 0.0)
-            add_wind(*state.velocity, wind=wind, rate=force.strength, mask=mask, **step)
+            local = {"centre": force.centre, "radius": force.radius, "sides": physics.sides}
+            there = make_reach(wp.empty_like(mask), **local) if force.radius else mask
+            add_wind(*state.velocity, wind=wind, rate=force.strength, mask=there, **step)
         else:
             add_push(*state.velocity, **force._asdict(), **step)
+
+
+def _swirl(physics: Physics, state: FluidState, frame: float, step: dict) -> None:
+    """Make curls stronger.
+
+    Only where there is fluid: around a jet the clear air shears, and made stronger its curl winds up into a ring that
+    sucks smoke out of the jet's foot. An artist's ramp says itself where.
+    """
+    swirl = number_or_field(physics.options.swirl, frame, state, physics.placing)
+    unit = SWIRL_UNITS * physics.placing.unit
+    if isinstance(swirl, wp.array):
+        add_swirl(*state.velocity, strength=unit, mask=swirl, **step)
+    elif swirl:
+        add_swirl(*state.velocity, strength=swirl * unit, mask=mark_fluid(state, physics.placing.reference), **step)
 
 
 def _buoyancy(physics: Physics, state: FluidState, frame: float, seconds: float) -> None:

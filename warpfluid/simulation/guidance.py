@@ -10,7 +10,7 @@ import warp as wp
 from warpfluid.balance import Balancing
 from warpfluid.kernels.blur import blur
 from warpfluid.kernels.flow_lift import lift
-from warpfluid.kernels.guidance import blend, guide, to_faces
+from warpfluid.kernels.guidance import blend, guide, mix, to_faces
 from warpfluid.kernels.sides import SIX
 from warpfluid.motion.carry import smooth
 from warpfluid.motion.optical_flow import optical_flow
@@ -103,6 +103,16 @@ def on_faces(omega: tuple[wp.array, ...], seconds: float, sigma: float) -> Faces
     return out
 
 
-def follow(density: wp.array, volume: wp.array, *, weight: float, subtract: float) -> None:
-    """Move a density towards a volume, in place: Eq. 10, and with ``subtract`` above 0 its other half."""
-    blend(density, volume, add=weight, subtract=weight * subtract)
+def follow(density: wp.array, volume: wp.array, *, weight: float | wp.array, subtract: float) -> None:
+    """Move a density towards a volume, in place: Eq. 10, and with ``subtract`` above 0 its other half.
+
+    Args:
+        density: d, shape (x, z, y).
+        volume: v, the same shape.
+        weight: lambda; or one a voxel, the same shape.
+        subtract: The weight where the density is higher, as a part of the other one.
+    """
+    if isinstance(weight, wp.array):
+        mix(density, blend(wp.clone(density), volume, add=1.0, subtract=subtract), share=weight)
+    else:
+        blend(density, volume, add=weight, subtract=weight * subtract)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from warpfluid.kernels.sides import SIX
 from warpfluid.options import SimulateOptions
-from warpfluid.options.keys import Keyed
+from warpfluid.options.keys import Keyed, Ramp, is_ramp
 from warpfluid.simulation.placing import Placing
 
 
@@ -23,5 +23,6 @@ class Physics:
     sides: SIX
 
     def number(self, name: str, frame: float) -> float:
-        """Return an option's value at a frame."""
-        return Keyed(getattr(self.options, name)).at(frame)
+        """Return an option's value at a frame; of a ramp over a field its greatest one."""
+        value = getattr(self.options, name)
+        return float(Ramp(value).values.max()) if is_ramp(value) else Keyed(value).at(frame)

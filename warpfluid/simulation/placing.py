@@ -50,13 +50,13 @@ class Placing:
         at = lambda value: Keyed(value).at(frame)  # noqa: E731
         return Emitter(
             placed=self.solid(options, frame, frame),
-            soft_edge=options.soft_edge * self.unit,
+            soft_edge=at(options.soft_edge) * self.unit,
             density=at(options.density) * self.reference,
             fuel=at(options.fuel) * self.reference,
             temperature=at(options.temperature),
             velocity=tuple(self.vector(options.velocity, frame)),
             velocity_rate=at(options.drive),
-            noise=options.noise,
+            noise=at(options.noise),
             noise_frequency=options.noise_frequency / self.unit,
             noise_speed=options.noise_speed,
             seed=options.seed,

@@ -22,6 +22,9 @@ from warpfluid.simulation.solids import clear, enforce
 from warpfluid.simulation.state import Faces, FluidState, Solids
 from warpfluid.simulation.transport import advect_scalars, advect_velocity, diffuse, keep_total
 
+BOXES_A_FRAME = 2  # how far fluid may move; with more solver steps than usual, as much farther
+USUAL_STEPS = 8  # a frame, at most
+
 
 @dataclass(frozen=True, kw_only=True)
 class Surroundings:
@@ -79,7 +82,8 @@ class Solver:
             speed = max(speed, fastest(around.motion.target))
         for emitter in around.emitters:
             speed = max(speed, float(np.abs(emitter.velocity).max()) * (emitter.velocity_rate > 0))
-        if not speed * seconds <= max(self.placing.shape) * 2:
+        most = self.options.substeps or self.options.max_substeps
+        if not speed * seconds <= max(self.placing.shape) * BOXES_A_FRAME * max(most / USUAL_STEPS, 1):
             raise FloatingPointError(f"the fluid moves {speed * seconds:.3g} voxels a frame")
         needed = max(math.ceil(speed * seconds / self.options.cfl - 1e-6), 1)
         return self.options.substeps or min(needed, self.options.max_substeps)
@@ -138,7 +142,7 @@ class Solver:
                 state.flame,
                 burn_rate=self.number("burn_rate", frame),
                 ignition=self.number("ignition", frame),
-                hottest=self.options.max_temperature,
+                hottest=self.number("max_temperature", frame),
                 heat=self.number("heat", frame) / full,
                 smoke=self.number("smoke", frame),
                 expansion=self.number("expansion", frame) / full,
@@ -149,8 +153,8 @@ class Solver:
             if self.number("expansion", frame) and OPEN in tuple(self.sides):
                 for field in (state.density, state.fuel, state.flame):
                     decay.thin(field, divergence=expansion, time_step=seconds)
-            cooling = self.number("cooling", frame)
-            decay.radiate(state.temperature, rate=cooling, hottest=self.options.max_temperature, time_step=seconds)
+            hottest = self.number("max_temperature", frame)
+            decay.radiate(state.temperature, rate=self.number("cooling", frame), hottest=hottest, time_step=seconds)
         decay.decay(state.temperature, rate=self.number("temperature_dissipation", frame), time_step=seconds)
         if self.options.density_dissipation != "auto":
             decay.decay(state.density, rate=self.number("density_dissipation", frame), time_step=seconds)
