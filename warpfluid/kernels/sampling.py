@@ -99,3 +99,15 @@ def spline_taps(device: str) -> wp.array:
     """Return the filter that turns values into coefficients of the cubic B-spline through them."""
     taps = SPLINE_POLE ** np.abs(np.arange(-SPLINE_REACH, SPLINE_REACH + 1))
     return wp.array(taps / taps.sum(), dtype=float, device=device)
+
+
+@wp.func
+def coarse_place(x: int, z: int, y: int, factor: int) -> wp.vec3:
+    """Return where the centre of a fine voxel lies on the coarse lattice."""
+    fine = wp.vec3(float(x) + 0.5, float(z) + 0.5, float(y) + 0.5)
+    return fine / float(factor) - wp.vec3(0.5, 0.5, 0.5)
+
+
+def coarse_shape(shape: tuple[int, ...], factor: int) -> tuple[int, ...]:
+    """Return the shape of a lattice of cubes of voxels."""
+    return tuple(-(-n // factor) for n in shape)
