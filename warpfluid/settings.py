@@ -98,10 +98,10 @@ def make_simulate_settings(
     config: Path | None = None,
     source_output: dict | None = None,
 ) -> SimulateSettings:
-    """Put settings together: flags, a preset, the paper's choices, the file, the source, the defaults; the first counts most.
+    """Put settings together: flags, a preset, the paper's choices, the file, the source, the defaults, in this order.
 
-    What is typed counts more than what is stored, and a preset, which says what is simulated, more than ``paper``, which
-    says how.
+    What is typed counts more than what is stored, and a preset, which says what is simulated, more than ``paper``,
+    which says how.
 
     Args:
         source: A run or volumes; that of the configuration when None.

@@ -295,6 +295,7 @@ LAUNCHERS = {
     pictures.resize: ({"field": images}, {"size": (3, 4)}),
 }
 OPTIONAL = {
+    (ramp.look_up, "out"),
     (correlation.expand, "out"),
     (pictures.median, "out"),
     (advection.advect, "out"),
@@ -353,6 +354,8 @@ MAY_BE_SHORT = {
     (emission.let_in, "weight"),  # a block
     (emission.drive, "weight"),
     (shapes.unite, "out"),  # any lattice
+    (centres.to_centres, "component"),  # any shape
+    (reach.make_reach, "out"),
     (shapes.nearest_velocity, "nearest"),  # a block
     (shares.face_share, "corners"),
     (shares.voxel_share, "corners"),
