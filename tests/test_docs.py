@@ -10,7 +10,15 @@ import numpy as np
 import pytest
 
 from warpfluid.cli import app
-from warpfluid.options import SIMULATE_PAPER, THINGS, InputOptions, OutputOptions, ReconstructOptions, SimulateOptions
+from warpfluid.options import (
+    SIMULATE_PAPER,
+    THINGS,
+    CompareOptions,
+    InputOptions,
+    OutputOptions,
+    ReconstructOptions,
+    SimulateOptions,
+)
 from warpfluid.options.scene import parse_thing
 from warpfluid.presets import preset_names
 
@@ -21,6 +29,7 @@ SECTIONS = {
     ReconstructOptions: "### Method",
     SimulateOptions: "### Simulation",
     OutputOptions: "### Output",
+    CompareOptions: "### Comparison",
     THINGS["emitter"]: "### Emitters",
     THINGS["obstacle"]: "### Obstacles",
     THINGS["force"]: "### Forces",

@@ -15,6 +15,7 @@ from warpfluid.options import (
     THINGS,
     BodyOptions,
     CameraOptions,
+    CompareOptions,
     EmitterOptions,
     ForceOptions,
     InputOptions,
@@ -30,7 +31,7 @@ from warpfluid.options.checks import VECTORS, WORDS
 
 PICTURE = (CameraOptions, LightOptions, RenderOptions)
 COMMANDS = ((InputOptions, ReconstructOptions, OutputOptions), (SimulateOptions, OutputOptions), PICTURE)
-CLASSES = (InputOptions, ReconstructOptions, SimulateOptions, OutputOptions, *PICTURE, *THINGS.values())
+CLASSES = (InputOptions, ReconstructOptions, SimulateOptions, OutputOptions, CompareOptions, *PICTURE, *THINGS.values())
 FREE = {"white"}  # numbers that have no range: any positive value
 OWNERS = [(options, field.name) for options in CLASSES for field in dataclasses.fields(options)]
 

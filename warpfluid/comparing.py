@@ -14,7 +14,7 @@ from warpfluid.errors import Problems, describe
 from warpfluid.files.sequences import parse_frames
 from warpfluid.footage.sources import spread
 from warpfluid.metrics import SMALLEST_SIDE
-from warpfluid.options.compare import CompareOptions
+from warpfluid.options import CompareOptions
 from warpfluid.progress import Progress
 from warpfluid.volumes import open_volumes
 

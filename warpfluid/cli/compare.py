@@ -8,7 +8,7 @@ from cyclopts import Parameter
 
 from warpfluid.cli.app import app
 from warpfluid.cli.flags import COMMON, Common, make_flags
-from warpfluid.options.compare import CompareOptions
+from warpfluid.options import CompareOptions
 
 CompareFlags = make_flags(CompareOptions, "Comparison", 1)
 NO_CHOICES = get_args(CompareFlags)[0]()

@@ -1,6 +1,7 @@
 """Every choice that a run can make, explained."""
 
 from warpfluid.options.checks import RANGES, check_options
+from warpfluid.options.compare import CompareOptions
 from warpfluid.options.reconstruct import (
     BRIGHT_FLAME,
     PAPER,
@@ -28,6 +29,7 @@ __all__ = [
     "THINGS",
     "BodyOptions",
     "CameraOptions",
+    "CompareOptions",
     "EmitterOptions",
     "ForceOptions",
     "InputOptions",
