@@ -6,7 +6,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from warpfluid.files.sequences import MOST_FRAMES, find_sequence, format_frames, parse_frames
+from warpfluid.files.sequences import (
+    MOST_FRAMES,
+    find_sequence,
+    format_frames,
+    has_number,
+    insert_word,
+    numbered_path,
+    parse_frames,
+)
 
 
 def touch(folder, *names):
@@ -186,3 +194,33 @@ def test_folders_with_images_are_named(tmp_path):
     (tmp_path / "side" / "b.1.exr").unlink()
     with pytest.raises(FileNotFoundError, match=r"in it, front \(2\) holds images"):
         find_sequence(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("pattern", "file", "left"),
+    [
+        ("a.####.png", "a.0007.png", "a.left.####.png"),
+        ("a_%04d.exr", "a_0007.exr", "a.left.%04d.exr"),
+        ("a.%d.png", "a.7.png", "a.left.%d.png"),
+        ("a#.png", "a7.png", "a.left.#.png"),
+        ("a.$F4.png", "a.0007.png", "a.left.$F4.png"),
+        ("a.$F.png", "a.7.png", "a.left.$F.png"),
+        ("a@@@.png", "a007.png", "a.left.@@@.png"),
+        ("a.png", "a.png", "a.left.png"),
+    ],
+)
+def test_names_to_write(tmp_path, pattern, file, left):
+    """Each way to write the frame number that is read can be written."""
+    path = numbered_path(tmp_path / pattern, 7)
+    assert path.name == file
+    assert insert_word(tmp_path / pattern, "left").name == left
+    assert has_number(pattern) == (pattern != "a.png")
+    path.touch()
+    assert names(find_sequence(tmp_path / pattern)) == {7 if has_number(pattern) else 1: file}
+
+
+@pytest.mark.parametrize("pattern", ["a.##.%d.png", "a.1-5#.png"])
+def test_names_with_two_numbers_cannot_be_written(pattern):
+    """Nor those that say which frames to read."""
+    with pytest.raises(ValueError, match=r"one place for the frame number, such as name\.####\.png"):
+        numbered_path(pattern, 1)

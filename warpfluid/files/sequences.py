@@ -79,6 +79,38 @@ def find_sequence(source: str | Path) -> dict[int, Path]:
     return _only_sequence([file for file in _files(path.parent) if fnmatchcase(file.name, path.name)], path)
 
 
+def numbered_path(pattern: str | Path, number: int) -> Path:
+    """Return the file of a number: 7 of ``a.####.png``, ``a.%04d.png`` or ``a.$F4.png`` is ``a.0007.png``.
+
+    A name without a place for the number is returned as it is.
+
+    Raises:
+        ValueError: If the name has two such places, or says which frames to use.
+    """
+    path = Path(pattern)
+    token = _TOKEN.search(path.name)
+    if not token:
+        return path
+    before, after = path.name[: token.start()], path.name[token.end() :]
+    if token["frames"] or _TOKEN.search(after):
+        raise ValueError(f"{path} needs one place for the frame number, such as name.####{path.suffix}")
+    digits = int(re.search(r"\d+", token[0])[0]) if re.search(r"\d", token[0]) else len(token[0].strip("$%Fd")) or 1
+    return path.with_name(f"{before}{number:0{digits}d}{after}")
+
+
+def has_number(pattern: str | Path) -> bool:
+    """Return whether a name has a place for the frame number."""
+    return bool(_TOKEN.search(Path(pattern).name))
+
+
+def insert_word(pattern: str | Path, word: str) -> Path:
+    """Return a name with a word before its number, or before its ending: ``a.left.####.png``."""
+    path = Path(pattern)
+    token = _TOKEN.search(path.name)
+    end = token.start() if token else len(path.stem)
+    return path.with_name(f"{path.name[:end].rstrip('._-')}.{word}.{path.name[end:].lstrip('._-')}")
+
+
 def _parse_chunk(chunk: str, text: str) -> range:
     """Return the frames of one number or range."""
     match = re.fullmatch(r"(-?\d{1,9})(?:-(-?\d{1,9})(?:x(\d{1,9}))?)?", chunk)
