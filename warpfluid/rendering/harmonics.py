@@ -18,7 +18,7 @@ def harmonics(directions: np.ndarray) -> np.ndarray:
     Returns:
         Shape (..., 9).
     """
-    x, y, z = np.moveaxis(np.asarray(directions), -1, 0)
+    x, y, z = np.moveaxis(np.asarray(directions, float), -1, 0)
     constant, linear, square = np.sqrt(1 / (4 * np.pi)), np.sqrt(3 / (4 * np.pi)), np.sqrt(15 / (4 * np.pi))
     parts = [
         np.full_like(x, constant),
