@@ -50,12 +50,14 @@ class LightOptions:
     """What lights the fluid and what stands in it."""
 
     key_light: Annotated[str, "Direction x,y,z to the key light"] = "-1,1.6,0.9"
-    key_strength: Annotated[float | str, "Light of the key light; 1 makes thick white smoke white"] = 1.0
+    key_strength: Annotated[
+        float | str | None, "Light of the key light, 1 makes thick white smoke white; 1 by default, 0 with a probe"
+    ] = None
     key_color: Annotated[str, "Its colour: red,green,blue"] = "1,0.95,0.88"
-    ambient: Annotated[float | str, "Light that comes from everywhere"] = 0.25
+    ambient: Annotated[float | str, "Light of the sky, which comes from everywhere; not with a probe"] = 0.25
     ambient_color: Annotated[str, "Its colour: red,green,blue"] = "0.75,0.88,1"
     probe: Annotated[
-        str | None, "Picture of all surroundings that lights instead, latitude and longitude, .exr or .hdr"
+        str | None, "Picture of all surroundings whose light counts instead: latitude and longitude, .exr or .hdr"
     ] = None
     probe_rotation: Annotated[float | str, "Turns the probe around the vertical [degree]"] = 0.0
     probe_strength: Annotated[float | str, "Factor of its light"] = 1.0

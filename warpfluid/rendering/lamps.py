@@ -1,0 +1,64 @@
+"""The lights that options ask for: a key light and a sky, or a light probe."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from warpfluid.options import LightOptions
+from warpfluid.options.keys import Keyed
+from warpfluid.rendering.harmonics import sky
+from warpfluid.rendering.lighting import Lighting, Sun
+from warpfluid.rendering.probe import light_from_probe, read_probe
+
+ABOVE, BELOW = 1.4, 0.6  # of the sky's light, straight above and straight below
+PROBE_SUNS = 2
+FAINTEST = 1e-6
+
+
+@dataclass(frozen=True)
+class Lamps:
+    """All lights, over the frames.
+
+    Attributes:
+        options: What is asked for.
+    """
+
+    options: LightOptions
+
+    @cached_property
+    def probe(self) -> np.ndarray | None:
+        """The light probe, shape (rows, columns, 3), if there is one.
+
+        Raises:
+            OSError: If its file cannot be opened.
+            ValueError: If it is no probe.
+        """
+        return read_probe(self.options.probe) if self.options.probe else None
+
+    def at(self, frame: float) -> Lighting:
+        """Return the light at a frame."""
+        options = self.options
+        if self.probe is None:
+            lighting = Lighting(ambient=_sky(options, frame))
+        else:
+            strength = max(Keyed(options.probe_strength).at(frame), FAINTEST)
+            rotation = Keyed(options.probe_rotation).at(frame)
+            lighting = light_from_probe(
+                self.probe, suns=PROBE_SUNS, rotation_deg=rotation, exposure=math.log2(strength)
+            )
+        usual = 0.0 if options.probe else 1.0
+        strength = Keyed(usual if options.key_strength is None else options.key_strength).at(frame)
+        if strength < FAINTEST:
+            return lighting
+        # A surface that reflects all of an irradiance of pi has the radiance 1.
+        color = math.pi * strength * Keyed(options.key_color, 3).at(frame)
+        key = Sun(Keyed(options.key_light, 3).at(frame), color)
+        return Lighting((key, *lighting.suns), lighting.ambient)
+
+
+def _sky(options: LightOptions, frame: float) -> np.ndarray:
+    """Return the harmonics of a sky that is brighter above."""
+    color = Keyed(options.ambient).at(frame) * Keyed(options.ambient_color, 3).at(frame)
+    return sky(tuple(ABOVE * color), tuple(BELOW * color))
