@@ -19,7 +19,7 @@ from warpfluid.kernels.sampling import coarse_place, coarse_shape, trilinear
 wp.set_module_options({"enable_backward": False})
 
 MOST_GAIN = 5.0  # of a sun's light: what matter without end that absorbs nothing comes to, sqrt(3) H(1) = 5.04
-DARK = 1e-20  # P below this is no more than rounding
+DARK = 1e-30  # P below this cannot be told from 0; nothing from there is ever seen
 
 
 @wp.kernel
