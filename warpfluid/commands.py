@@ -155,11 +155,12 @@ def _summarize(
     run: Run, shot: Shot, settings: Settings, inspection: Inspection, device, log: Progress
 ) -> dict[str, str]:
     """Write the turntable and the report of what is finished; return what failed."""
-    from warpfluid.report.of_run import report_run, write_film
+    from warpfluid.report.film import write_film
+    from warpfluid.report.of_run import report_run
 
     jobs = {}
     if settings.output.turntable:
-        jobs[FILM] = lambda: write_film(run, settings, run.folder / FILM)
+        jobs[FILM] = lambda: write_film(run, settings.output.look, run.folder / FILM)
     if settings.output.report:
         jobs[PAGE] = lambda: report_run(run, shot, settings, inspection, device=device)
     failed = {}

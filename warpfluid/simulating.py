@@ -180,11 +180,11 @@ def _animate(run: Run, settings: SimulateSettings, source: Source, frames, devic
 
 def _film(run: Run, settings: SimulateSettings, log: Progress) -> dict[str, str]:
     """Write the turntable; return what failed."""
-    from warpfluid.report.of_run import write_film
+    from warpfluid.report.film import write_film
 
     log.line(f"write   {FILM}")
     try:
-        write_film(run, settings, run.folder / FILM)
+        write_film(run, settings.output.look, run.folder / FILM)
     except (ValueError, OSError) as error:
         return {FILM: describe(error)}
     return {}

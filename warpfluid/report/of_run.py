@@ -2,7 +2,6 @@
 
 import dataclasses
 import time
-from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
 
@@ -20,6 +19,7 @@ from warpfluid.reconstruction.em import reconstruct
 from warpfluid.reconstruction.inputs import apply_shoulder
 from warpfluid.rendering.ramps import apply_ramp
 from warpfluid.rendering.turntable import render_turntable, slices_picture
+from warpfluid.report.film import RATE, TURN_PICTURES, film_pictures
 from warpfluid.report.page import FrameReport, InputReport, ReportData, write_report
 from warpfluid.run import Run, versions
 from warpfluid.settings import Settings
@@ -27,23 +27,8 @@ from warpfluid.views import Views
 
 STILLS_DEG = tuple(range(0, 91, 15))
 SLICES = 6
-TURN_PICTURES = 120
 FILM_IN_PAGE = 60  # pictures of the film that the page carries
 LSM, OURS = "least squares", "appearance transfer"
-
-
-def write_film(run: Run, settings: Settings, path: Path) -> None:
-    """Film a run while the camera walks around it; a short one is repeated until the turn is full.
-
-    Args:
-        run: A run with at least one frame.
-        settings: Its settings.
-        path: The film, .mp4 or .webp.
-    """
-    from warpfluid.files.video import write_animation, write_video
-
-    write = write_video if path.suffix == ".mp4" else write_animation
-    write(path, _film(run, settings, TURN_PICTURES), 24.0)
 
 
 def report_run(run: Run, shot: Shot, settings: Settings, inspection: Inspection, *, device=None) -> Path:
@@ -63,7 +48,7 @@ def report_run(run: Run, shot: Shot, settings: Settings, inspection: Inspection,
     records = {frame: record for frame, record in run.records().items() if frame in shot.frames}
     shown = spread(tuple(records), SHOWN_FRAMES)
     frames = [_frame(run, shot, settings, records[number], device) for number in shown]
-    film = np.stack(list(_film(run, settings, FILM_IN_PAGE)))
+    film = np.stack(list(film_pictures(run, settings.output.look, FILM_IN_PAGE)))
     took = sum(record["seconds"] for record in records.values())
     data = ReportData(
         title=run.folder.resolve().name,
@@ -75,7 +60,7 @@ def report_run(run: Run, shot: Shot, settings: Settings, inspection: Inspection,
         frames=frames,
         metrics=_means(frames),
         turntable=film[:, :: _step(film), :: _step(film)],
-        rate=24.0 * FILM_IN_PAGE / TURN_PICTURES,
+        rate=RATE * FILM_IN_PAGE / TURN_PICTURES,
         options=_options(settings.input, settings.reconstruct, settings.output),
         defaults=_options(InputOptions(), _default_method(inspection), OutputOptions()),
         versions={**versions(), "CPU threads": thread_count(), "device": run.settings()["made-with"].get("device", "")},
@@ -126,24 +111,6 @@ def _numbers(volumes: dict, views: Views, options: ReconstructOptions) -> dict[s
         if rows:
             numbers[name] = {key: float(np.mean([row[key] for row in rows])) for key in rows[0]}
     return numbers
-
-
-def _film(run: Run, settings: Settings, count: int) -> Iterator[np.ndarray]:
-    """Yield the pictures of a turn; frame i % n is seen in picture i."""
-    frames = list(run.records())
-    count = max(count, len(frames))
-    angles = np.arange(count) * 360.0 / count
-    if len(frames) == count:
-        for frame, angle in zip(frames, angles, strict=True):
-            yield render_turntable(run.volume(frame), [angle], settings.output.look)[0]
-        return
-    film = {}
-    for first, frame in enumerate(frames):
-        at = range(first, count, len(frames))
-        pictures = render_turntable(run.volume(frame), angles[first :: len(frames)], settings.output.look)
-        film.update(zip(at, pictures, strict=True))
-    for i in range(count):
-        yield film[i]
 
 
 def _inputs(shot: Shot, frame: int) -> list[InputReport]:
