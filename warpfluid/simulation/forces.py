@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import warp as wp
 
-from warpfluid.kernels import decay, vectors
+from warpfluid.kernels import decay
 from warpfluid.kernels.blur import blur
 from warpfluid.kernels.forces import add_buoyancy, add_wind
 from warpfluid.kernels.pushes import add_push
@@ -16,6 +16,7 @@ from warpfluid.options import ForceOptions
 from warpfluid.options.keys import Keyed
 from warpfluid.options.scene import EVERYWHERE
 from warpfluid.simulation.fields import mark_fluid, number_or_field
+from warpfluid.simulation.liquid import liquid_mass, share_of_gravity
 from warpfluid.simulation.physics import Physics
 from warpfluid.simulation.placing import UNITS, Placing
 from warpfluid.simulation.shapes import SWAP
@@ -56,8 +57,9 @@ def add_forces(physics: Physics, state: FluidState, frame: float, seconds: float
     _turbulence(physics, state, frame, seconds)
     step = {"sides": physics.sides, "time_step": seconds}
     _swirl(physics, state, frame, step)
-    mask = decay.make_mask(state.density, reference=physics.placing.reference)
     wind = SWAP @ physics.placing.vector(physics.options.wind, frame)
+    blown = np.any(wind) or any(force.kind in ("wind", "drag") for force in forces)
+    mask = decay.make_mask(state.density, reference=physics.placing.reference) if blown else None
     if np.any(wind):
         add_wind(*state.velocity, wind=tuple(wind), rate=physics.number("wind_drag", frame), mask=mask, **step)
     for force in forces:
@@ -93,15 +95,10 @@ def _buoyancy(physics: Physics, state: FluidState, frame: float, seconds: float)
     if any(lift.values()):
         up = tuple(-gravity / STANDARD_GRAVITY * physics.placing.unit)
         add_buoyancy(*state.velocity, **fields, up=up, **lift, **step)
-    weight = physics.number("liquid_weight", frame)
-    if weight > 0:  # in air, a share (m - 1) / m of gravity is left to what is m times as heavy
-        share = decay.make_mask(state.density, reference=physics.placing.reference)
-        heavier = wp.zeros_like(share)
-        vectors.add_scaled(heavier, weight, share, out=heavier)
-        mass = wp.full(share.shape, 1.0, dtype=float, device=share.device)
-        vectors.divide(heavier, vectors.add_scaled(mass, 1.0, heavier, out=mass), floor=1.0, out=share)
+    mass = liquid_mass(physics, state, frame)
+    if mass:
+        fields["density"], step["reference"] = share_of_gravity(mass), 1.0
         fall = {"temperature_buoyancy": 0.0, "density_buoyancy": -1.0}
-        fields["density"], step["reference"] = share, 1.0
         add_buoyancy(*state.velocity, **fields, up=tuple(-gravity * physics.placing.unit), **fall, **step)
 
 

@@ -16,6 +16,7 @@ from warpfluid.kernels.totals import total
 from warpfluid.simulation.emitters import Emitter, emit
 from warpfluid.simulation.forces import Force, add_forces
 from warpfluid.simulation.guidance import Motion
+from warpfluid.simulation.liquid import liquid_mass
 from warpfluid.simulation.physics import Physics
 from warpfluid.simulation.pressure import hold, make_incompressible
 from warpfluid.simulation.solids import clear, enforce
@@ -108,7 +109,7 @@ class Solver:
             self.sides,
             expansion=expansion,
             solids=solids,
-            mass=self._mass(state, frame),
+            mass=liquid_mass(self.physics, state, frame),
             method=self.options.pressure,
         )
         state.seconds += seconds
@@ -161,15 +162,6 @@ class Solver:
         for part in state.velocity:
             decay.decay(part, rate=self.number("velocity_damp", frame), time_step=seconds)
         return expansion
-
-    def _mass(self, state: FluidState, frame: float) -> wp.array | None:
-        """Return the mass density against the air's, None for a gas."""
-        weight = self.number("liquid_weight", frame)
-        if weight == 0:
-            return None
-        share = decay.make_mask(state.density, reference=self.placing.reference)
-        ones = wp.full(share.shape, 1.0, dtype=float, device=share.device)
-        return vectors.add_scaled(ones, weight, share, out=share)
 
 
 def fastest(velocity: Faces) -> float:
