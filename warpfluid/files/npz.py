@@ -1,20 +1,25 @@
 """Volumes as ``.npz``: the format for NumPy users, one file a frame.
 
-The key ``density`` holds the volume, float32, shape (x, y, z), y up; every other key is one number or text.
+The key ``density`` holds the volume, float32, shape (x, y, z), y up; there may be further grids of that size, vectors
+(x, y, z, 3) among them. Every other key is one number or text, but for ``origin``: where the centre of voxel (0, 0, 0)
+lies, three numbers.
 """
 
 import io
 import struct
 import zipfile
 import zlib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
 
 from warpfluid.files.atomic import replacing
+from warpfluid.files.grids import GridFacts, GridFile
 
-DENSITY = "density"
+DENSITY, ORIGIN = "density", "origin"
+SMALL = 4096  # bytes of an array that may be a fact
 
 # What zipfile and NumPy raise for a file that is no archive, or a damaged one.
 DAMAGE = (
@@ -30,12 +35,23 @@ DAMAGE = (
 )
 
 
-def write_npz(path: str | Path, density: np.ndarray, **metadata: float | int | str | bool) -> None:
-    """Write a volume and facts about it.
+def write_npz(
+    path: str | Path,
+    density: np.ndarray,
+    *,
+    more: Mapping[str, np.ndarray] | None = None,
+    half: bool = False,
+    origin: tuple[float, float, float] | None = None,
+    **metadata: float | int | str | bool,
+) -> None:
+    """Write a volume, further grids and facts.
 
     Args:
         path: The file to write; its folder must exist.
         density: Volume, shape (x, y, z), y up.
+        more: Further grids by name, shape (x, y, z) or (x, y, z, 3).
+        half: Store 16-bit floats.
+        origin: Where the centre of voxel (0, 0, 0) lies [world unit].
         **metadata: Single numbers or text by name, such as ``voxel_size`` and ``frame``.
 
     Raises:
@@ -49,14 +65,24 @@ def write_npz(path: str | Path, density: np.ndarray, **metadata: float | int | s
     for name, fact in facts.items():
         if fact.ndim or fact.dtype.kind not in "fiubU":
             raise ValueError(f"metadata {name!r} is {metadata[name]!r}; it must be one number or text")
-    arrays = {DENSITY: density.astype(np.float32, copy=False), **facts}
+    if origin is not None:
+        facts[ORIGIN] = np.asarray(origin, np.float64)
+    grids = {DENSITY: density, **(more or {})}
+    for name, grid in grids.items():
+        if grid.shape[:3] != density.shape or grid.shape[3:] not in ((), (3,)) or name in facts:
+            raise ValueError(f"grid {name!r} has shape {grid.shape}; it must be {density.shape}, or vectors as many")
+    kind = np.float16 if half else np.float32
+    _write(path, {**{name: grid.astype(kind, copy=False) for name, grid in grids.items()}, **facts})
+
+
+def _write(path: str | Path, arrays: dict[str, np.ndarray]) -> None:
     with (
         replacing(path) as file,
         zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive,
     ):
         for name, array in arrays.items():
             with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
-                np.lib.format.write_array(member, array, allow_pickle=False)
+                np.lib.format.write_array(member, np.asarray(array), allow_pickle=False)
 
 
 def read_npz(path: str | Path) -> tuple[np.ndarray, dict[str, float | int | str | bool]]:
@@ -72,20 +98,100 @@ def read_npz(path: str | Path) -> tuple[np.ndarray, dict[str, float | int | str 
         ValueError: If this is no such file, or it is damaged.
         OSError: If the file cannot be read.
     """
-    with open(path, "rb") as file:
-        try:
-            arrays = _arrays(file)
-        except DAMAGE as error:
-            raise ValueError(f"{path}: this is no .npz file of plain arrays, or it is damaged: {error}") from error
+    arrays = _opened(path)
     if DENSITY not in arrays:
         found = ", ".join(arrays) or "nothing"
         raise ValueError(f"{path}: no key {DENSITY!r}, only {found}; save the volume under that key")
-    density = arrays.pop(DENSITY)
-    volume = density[0] if density.ndim == 4 and len(density) == 1 else density
-    if volume.ndim != 3 or volume.dtype.kind not in "fiub":
-        raise ValueError(f"{path}: density is {density.dtype} of shape {density.shape}; it must be (x, y, z)")
-    scalars = {name: array for name, array in arrays.items() if not array.ndim and array.dtype.kind in "fiubU"}
-    return np.ascontiguousarray(volume, np.float32), {name: array.item() for name, array in scalars.items()}
+    return _volume(path, DENSITY, arrays.pop(DENSITY)), _facts(arrays)
+
+
+def read_npz_grids(path: str | Path) -> GridFile:
+    """Read all grids of a file: arrays of one size, shape (x, y, z) or (x, y, z, 3).
+
+    Returns:
+        The grids and where they lie: at the origin, and with voxels of 1 unit, where the file does not tell.
+
+    Raises:
+        ValueError: If this is no such file, it is damaged, or there is no grid.
+        OSError: If the file cannot be read.
+    """
+    arrays = _opened(path)
+    grids = {name: array for name, array in arrays.items() if array.ndim >= 3 and array.dtype.kind in "fiub"}
+    grids = {name: _volume(path, name, array) for name, array in grids.items()}
+    if not grids or len({grid.shape[:3] for grid in grids.values()}) > 1:
+        found = ", ".join(f"{name} {array.shape}" for name, array in arrays.items()) or "nothing"
+        raise ValueError(f"{path}: no volumes of one size, only {found}; save shape (x, y, z) under 'density'")
+    facts, origin = _facts(arrays), np.asarray(arrays.get(ORIGIN, (0.0, 0.0, 0.0)))
+    if origin.shape != (3,) or origin.dtype.kind not in "fiu":
+        raise ValueError(f"{path}: origin is {origin.tolist()}; it must be three numbers")
+    size = facts.get("voxel_size", 1.0)
+    if not (isinstance(size, int | float) and np.isfinite([size, *origin]).all() and size > 0):
+        raise ValueError(f"{path}: voxel_size is {size!r}; it must be a positive number")
+    return GridFile(
+        grids=grids,
+        voxel_size=float(size),
+        origin=tuple(origin.astype(float).tolist()),
+        metadata=facts | ({ORIGIN: tuple(origin.tolist())} if ORIGIN in arrays else {}),
+    )
+
+
+def npz_facts(path: str | Path) -> list[GridFacts]:
+    """Return what is known of every grid of a file; of the arrays only the heads are read.
+
+    ``about`` says with ``placed`` whether the file tells where its grids lie.
+
+    Raises:
+        ValueError: If this is no such file, or it is damaged.
+        OSError: If the file cannot be read.
+    """
+    with open(path, "rb") as file:
+        try:
+            arrays, shapes = _heads(file)
+        except DAMAGE as error:
+            raise ValueError(f"{path}: this is no .npz file of plain arrays, or it is damaged: {error}") from error
+    size, origin = float(_facts(arrays).get("voxel_size", 1.0)), arrays.get(ORIGIN, np.zeros(3))
+    found = []
+    for name, (shape, dtype) in shapes.items():
+        shape = shape[1:] if len(shape) == 4 and shape[0] == 1 else shape
+        if len(shape) not in (3, 4) or dtype.kind not in "fiub" or not min(shape):
+            continue
+        box = np.array([[0, 0, 0], [n - 1 for n in shape[:3]]])
+        found.append(
+            GridFacts(
+                name=name,
+                kind="float" if len(shape) == 3 else "vec3s" if shape[3] == 3 else f"{shape[3]} numbers",
+                half=dtype == np.float16,
+                voxel_size=size,
+                shift=tuple(np.asarray(origin, float).ravel()[:3].tolist()),
+                box=box,
+                whole=box,
+                active=None,
+                up=None,
+                about={"placed": ORIGIN in arrays},
+            )
+        )
+    return found
+
+
+def _opened(path: str | Path) -> dict[str, np.ndarray]:
+    with open(path, "rb") as file:
+        try:
+            return _arrays(file)
+        except DAMAGE as error:
+            raise ValueError(f"{path}: this is no .npz file of plain arrays, or it is damaged: {error}") from error
+
+
+def _volume(path: str | Path, name: str, array: np.ndarray) -> np.ndarray:
+    """Return an array as float32; a leading axis of one is taken off."""
+    volume = array[0] if array.ndim == 4 and len(array) == 1 else array
+    vectors = name != DENSITY and volume.ndim == 4 and volume.shape[3] == 3
+    if (volume.ndim != 3 and not vectors) or volume.dtype.kind not in "fiub":
+        raise ValueError(f"{path}: {name} is {array.dtype} of shape {array.shape}; it must be (x, y, z)")
+    return np.ascontiguousarray(volume, np.float32)
+
+
+def _facts(arrays: Mapping[str, np.ndarray]) -> dict[str, float | int | str | bool]:
+    return {name: array.item() for name, array in arrays.items() if not array.ndim and array.dtype.kind in "fiubU"}
 
 
 def _arrays(file: BinaryIO) -> dict[str, np.ndarray]:
@@ -93,3 +199,21 @@ def _arrays(file: BinaryIO) -> dict[str, np.ndarray]:
     with zipfile.ZipFile(file) as archive:
         members = {name.removesuffix(".npy"): archive.read(name) for name in archive.namelist()}
     return {name: np.lib.format.read_array(io.BytesIO(data)) for name, data in members.items()}
+
+
+def _heads(file: BinaryIO) -> tuple[dict[str, np.ndarray], dict[str, tuple]]:
+    """Return a file's small arrays, and the shape and type of the others."""
+    arrays, shapes = {}, {}
+    with zipfile.ZipFile(file) as archive:
+        for info in archive.infolist():
+            name = info.filename.removesuffix(".npy")
+            if info.file_size <= SMALL:
+                arrays[name] = np.lib.format.read_array(io.BytesIO(archive.read(info)))
+                shapes[name] = arrays[name].shape, arrays[name].dtype
+                continue
+            with archive.open(info) as member:
+                version = np.lib.format.read_magic(member)
+                read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+                shape, _, dtype = read(member)
+            shapes[name] = shape, dtype
+    return arrays, shapes

@@ -41,9 +41,7 @@ class _Grid:
         return [box for box in boxes if box is not None]
 
 
-def read_vdb(
-    path: str | Path, names: Collection[str] | None = None, *, up: Literal["y", "z"] = "y"
-) -> GridFile:
+def read_vdb(path: str | Path, names: Collection[str] | None = None, *, up: Literal["y", "z"] = "y") -> GridFile:
     """Read the float and vector grids of an OpenVDB file as arrays.
 
     A file of ``write_vdb`` gives back the arrays that were written, in their axes whatever the file's up

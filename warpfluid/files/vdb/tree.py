@@ -36,6 +36,7 @@ class Topology:
         boxes = tiles if leaves is None else [*tiles, leaves]
         return np.array([np.min(boxes, 0)[0], np.max(boxes, 0)[1]]) if boxes else None
 
+
 @dataclass
 class Tree(Topology):
     """What a grid holds apart from its background.

@@ -1,0 +1,17 @@
+"""Sequences of volumes on disk: a run of ours, or files of another program."""
+
+from warpfluid.volumes.find import ENDINGS, find_volumes
+from warpfluid.volumes.lattice import Lattice
+from warpfluid.volumes.reading import file_facts, read_density, read_grids
+from warpfluid.volumes.sequence import VolumeSequence, open_volumes
+
+__all__ = [
+    "ENDINGS",
+    "Lattice",
+    "VolumeSequence",
+    "file_facts",
+    "find_volumes",
+    "open_volumes",
+    "read_density",
+    "read_grids",
+]

@@ -1,0 +1,38 @@
+"""Find the files of a sequence."""
+
+import re
+from pathlib import Path
+
+ENDINGS = (".vdb", ".npz", ".nvdb", ".vti")
+_NUMBER = re.compile(r"(?:%0?\d*d|#+|\*)")
+_LAST = re.compile(r"\d+(?=\D*$)")
+
+
+def find_volumes(path: Path) -> dict[int, Path]:
+    """Return volumes by frame, which is the last number in a file's name.
+
+    Args:
+        path: A folder, a pattern (``smoke.####.vdb``) or a file of volumes.
+
+    Raises:
+        ValueError: If there are none, or several of one frame.
+    """
+    if path.is_dir():
+        found = sorted(file for file in path.iterdir() if file.suffix in ENDINGS and not file.name.startswith("."))
+    elif path.is_file():
+        found = [path]
+    else:
+        form = "".join("*" if _NUMBER.fullmatch(part) else part for part in re.split(f"({_NUMBER.pattern})", path.name))
+        found = sorted(path.parent.glob(form)) if "*" in form and path.parent.is_dir() else []
+    found = [file for file in found if file.suffix in ENDINGS and file.name != "checkpoint.npz"]
+    if not found:
+        kinds = f"{', '.join(ENDINGS[:-1])} or {ENDINGS[-1]}"
+        raise ValueError(f"{path} has no volumes: name a run, or a folder, pattern or file of {kinds} volumes")
+    names = sorted({_LAST.sub("####", file.stem) + file.suffix for file in found})
+    if len(names) > 1:
+        raise ValueError(f"{path} has several sequences, {', '.join(names[:4])}: choose one with a pattern")
+    numbers = [int(match[0]) if (match := _LAST.search(file.stem)) else 1 for file in found]
+    files = dict(sorted(zip(numbers, found, strict=True)))
+    if len(files) < len(found):
+        raise ValueError(f"{path} has several volumes of one frame: leave one of them")
+    return files

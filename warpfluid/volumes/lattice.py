@@ -1,0 +1,106 @@
+"""Where the volumes of a sequence lie.
+
+Other programs cut a grid to what it holds, so every frame has another size and another place. All of them are put on
+one lattice here, by the places that the files tell.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from warpfluid.files.grids import GridFacts, GridFile
+
+NEAR = 0.02  # of a voxel: what transforms in 32 bits get wrong
+SAME = 1e-4  # relative difference of voxel sizes that counts as none
+MOST_VOXELS = 2**32
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """Voxels in the world, y up.
+
+    Attributes:
+        voxel_size: Side of a voxel [world unit].
+        origin: Centre of voxel (0, 0, 0) [world unit].
+        shape: Voxels (x, y, z).
+    """
+
+    voxel_size: float
+    origin: tuple[float, float, float]
+    shape: tuple[int, int, int]
+
+    def offset(self, origin: Iterable[float]) -> np.ndarray:
+        """Return the voxel of this lattice at which another one begins, float, shape (3,)."""
+        return (np.asarray(origin) - self.origin) / self.voxel_size
+
+    def place(self, array: np.ndarray, origin: Iterable[float]) -> np.ndarray:
+        """Return an array on this lattice: cut where it is larger, with 0 where it is smaller.
+
+        Args:
+            array: Shape (x, y, z) or (x, y, z, 3).
+            origin: Centre of its first voxel [world unit].
+        """
+        first = np.rint(self.offset(origin)).astype(int)
+        if not first.any() and array.shape[:3] == self.shape:
+            return array
+        placed = np.zeros((*self.shape, *array.shape[3:]), array.dtype)
+        low, high = np.maximum(first, 0), np.minimum(first + array.shape[:3], self.shape)
+        if (high > low).all():
+            into = tuple(slice(*span) for span in zip(low, high, strict=True))
+            out_of = tuple(slice(*span) for span in zip(low - first, high - first, strict=True))
+            placed[into] = array[out_of]
+        return placed
+
+    def place_file(self, file: GridFile) -> GridFile:
+        """Return the grids of a file on this lattice."""
+        grids = {name: self.place(grid, file.origin) for name, grid in file.grids.items()}
+        return GridFile(grids=grids, voxel_size=self.voxel_size, origin=self.origin, metadata=file.metadata)
+
+
+def lattice_of(facts: GridFacts, box: np.ndarray | None, up: str) -> Lattice | None:
+    """Return where a box of a grid lies; None for no box.
+
+    Args:
+        facts: Of the grid.
+        box: First and last index in the file's axes, shape (2, 3).
+        up: The up axis where the file does not tell.
+    """
+    if box is None or facts.voxel_size is None:
+        return None
+    size, (x, y, z) = facts.voxel_size, facts.shift
+    low, high = box.tolist()
+    shape = [b - a + 1 for a, b in zip(low, high, strict=True)]
+    if (facts.up or up) == "z":
+        origin = (x + size * low[0], z + size * low[2], 0 - (y + size * high[1]))
+        return Lattice(size, origin, (shape[0], shape[2], shape[1]))
+    return Lattice(size, tuple(a + size * b for a, b in zip(facts.shift, low, strict=True)), tuple(shape))
+
+
+def join(parts: Mapping[Path, Lattice | None]) -> Lattice | None:
+    """Return the lattice that holds all others; None if there is none.
+
+    Raises:
+        ValueError: If voxels differ in size, or lie between those of others, or are too many.
+    """
+    there = {path: part for path, part in parts.items() if part is not None}
+    if not there:
+        return None
+    first_path, first = next(iter(there.items()))
+    lows, highs = [], []
+    for path, part in there.items():
+        if abs(part.voxel_size - first.voxel_size) > SAME * first.voxel_size:
+            sizes = f"{part.voxel_size:g} and not {first.voxel_size:g}, as in {first_path.name}"
+            raise ValueError(f"{path}: its voxels are {sizes}; resample the sequence to one size")
+        offset = first.offset(part.origin)
+        if np.abs(offset - np.rint(offset)).max() > NEAR:
+            raise ValueError(f"{path}: its voxels lie between those of {first_path.name}; resample them to one lattice")
+        lows.append(np.rint(offset))
+        highs.append(np.rint(offset) + part.shape)
+    low, high = np.min(lows, 0), np.max(highs, 0)
+    if np.prod(high - low) > MOST_VOXELS:
+        sides = " x ".join(f"{n:.0f}" for n in high - low)
+        raise ValueError(f"{first_path.parent}: the volumes are spread over {sides} voxels; choose fewer frames")
+    origin = tuple(a + first.voxel_size * b for a, b in zip(first.origin, low.tolist(), strict=True))
+    return Lattice(first.voxel_size, origin, tuple(int(n) for n in high - low))

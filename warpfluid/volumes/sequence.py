@@ -1,0 +1,208 @@
+"""A sequence of volumes, whoever wrote it."""
+
+from collections.abc import Collection
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from warpfluid.files.grids import GridFacts, GridFile
+from warpfluid.footage.sources import file_hash, parse_view
+from warpfluid.options import OutputOptions
+from warpfluid.run import SETTINGS, Run
+from warpfluid.volumes.find import find_volumes
+from warpfluid.volumes.lattice import Lattice, join, lattice_of
+from warpfluid.volumes.reading import checked_density, file_facts, read_density, read_grids
+
+ANGLES_DEG = (0.0, 90.0)  # that volumes of other programs are seen from
+DENSITY = "density"
+WHITE = 255.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class VolumeSequence:
+    """Volumes by frame.
+
+    Attributes:
+        name: What the user called it.
+        files: The volumes by frame, rising.
+        angles_deg: Angles of the views that its volumes show.
+        scale: What brings its densities to grey levels: 1 for a run; else the brightest ray of the first is white.
+        output: How its files are stored, for more of the kind.
+        document: What ``run.toml`` of a run says; None for volumes of another program.
+        density_name: The grid that is the density.
+        up: Up axis of files that do not tell.
+        lattice: Where all of its volumes lie; None for a run, and where files do not tell their place.
+        messages: What the user should know of how the files were understood.
+    """
+
+    name: str
+    files: dict[int, Path]
+    angles_deg: tuple[float, ...] = ANGLES_DEG
+    scale: float = 1.0
+    output: OutputOptions = field(default_factory=OutputOptions)
+    document: dict | None = None
+    density_name: str = DENSITY
+    up: Literal["y", "z"] = "y"
+    lattice: Lattice | None = None
+    messages: tuple[str, ...] = ()
+
+    @property
+    def frames(self) -> tuple[int, ...]:
+        """Its frames, rising."""
+        return tuple(self.files)
+
+    def density(self, frame: int) -> np.ndarray:
+        """Return the density of a frame in grey levels a voxel, shape (x, z, y).
+
+        Raises:
+            ValueError: If its file is damaged, or holds no density, or one that is negative or not finite.
+            OSError: If it cannot be read.
+        """
+        path = self.files[frame]
+        if self.lattice is None:
+            return read_density(path, self.density_name, up=self.up) * np.float32(self.scale)
+        return checked_density(path, self.read(frame, [DENSITY]).grids[DENSITY]) * np.float32(self.scale)
+
+    def fields(self, frame: int, names: Collection[str]) -> dict[str, np.ndarray]:
+        """Return those of the named fields that a frame has, on one lattice.
+
+        Density is in grey levels a voxel; velocity has shape (x, z, y, 3), components (x, z, y) [voxel/s];
+        temperature, fuel and flame are as they are stored, shape (x, z, y).
+
+        Raises:
+            ValueError: If its file is damaged, or a field is not finite.
+            OSError: If it cannot be read.
+        """
+        file = self.read(frame, [name for name in self.grid_names(frame) if name in names])
+        found = {name: np.ascontiguousarray(grid.swapaxes(1, 2)) for name, grid in file.grids.items()}
+        for name, grid in found.items():
+            bad = np.count_nonzero(~np.isfinite(grid))
+            if bad:
+                path = self.files[frame]
+                raise ValueError(f"{path}: the {name} is not finite in {bad} places; export --repair writes 0 there")
+        if "density" in found:
+            found["density"] = found["density"] * np.float32(self.scale)
+        if "velocity" in found:
+            found["velocity"] = np.ascontiguousarray(found["velocity"][..., [0, 2, 1]] / np.float32(file.voxel_size))
+        return found
+
+    def grid_names(self, frame: int) -> list[str]:
+        """Return the grids of a frame that can be read together with its density, density first.
+
+        Raises:
+            ValueError: If its file is damaged, or has no density.
+            OSError: If it cannot be read.
+        """
+        path = self.files[frame]
+        facts = file_facts(path)
+        density = next((grid for grid in facts if grid.name == self.density_name), None)
+        if density is None:
+            have = ", ".join(grid.name for grid in facts) or "no grid"
+            raise ValueError(f"{path}: there is no grid {self.density_name}, it has {have}: choose one with --grid")
+        fit = [grid.name for grid in facts if grid.readable and grid.lattice == density.lattice]
+        return [DENSITY, *(name for name in fit if name not in (DENSITY, self.density_name))]
+
+    def read(self, frame: int, names: Collection[str] | None = None) -> GridFile:
+        """Read grids of a frame as they are stored, y up, shape (x, y, z) or (x, y, z, 3), on the common lattice.
+
+        Args:
+            frame: Which one.
+            names: The grids to read, ``density`` among them whatever its name in the file; all by default.
+
+        Raises:
+            ValueError: If its file is damaged, or lacks a grid.
+            OSError: If it cannot be read.
+        """
+        names = self.grid_names(frame) if names is None else names
+        there = [self.density_name if name == DENSITY else name for name in names]
+        file = read_grids(self.files[frame], there, up=self.up)
+        renamed = {DENSITY if name == self.density_name else name: grid for name, grid in file.grids.items()}
+        file = replace(file, grids={name: renamed[name] for name in names})
+        return self.lattice.place_file(file) if self.lattice else file
+
+    def hashes(self) -> dict[str, str]:
+        """Return what tells whether a file has changed, by frame."""
+        return {str(frame): file_hash([path]) for frame, path in self.files.items()}
+
+
+def open_volumes(
+    name: str | Path, *, grid: str | None = None, up: Literal["y", "z"] = "y", unchecked: bool = False
+) -> VolumeSequence:
+    """Find a sequence of volumes.
+
+    Args:
+        name: A run; a folder, a pattern (``smoke.####.vdb``) or a file of volumes, .vdb, .nvdb, .vti or .npz.
+        grid: The grid that is the density; by default ``density``, or the only one of numbers.
+        up: Up axis of files that do not tell.
+        unchecked: Leave the scale at 1 and the values unread, which may be negative or not finite.
+
+    Raises:
+        ValueError: If there are none, they do not fit together, or the first one is not sound.
+        OSError: If they cannot be read.
+    """
+    path = Path(name).expanduser()
+    if (path / SETTINGS).is_file():
+        return _open_run(Run(path), str(name), grid)
+    files = find_volumes(path)
+    facts = {frame: file_facts(file) for frame, file in files.items()}
+    density, messages = _find_density(next(iter(files.values())), next(iter(facts.values())), grid)
+    sequence = VolumeSequence(
+        name=str(name),
+        files=files,
+        density_name=density,
+        up=up,
+        lattice=_common(files, facts, density, up),
+        messages=messages,
+    )
+    if unchecked:
+        return sequence
+    brightest = float(sequence.density(sequence.frames[0]).sum(axis=1).max())
+    return replace(sequence, scale=WHITE / max(brightest, 1e-30))
+
+
+def _open_run(run: Run, name: str, grid: str | None) -> VolumeSequence:
+    document = run.settings()
+    files = {frame: run.volume_path(frame) for frame in run.records()}
+    if not files:
+        raise ValueError(f"{run.folder} has no finished frame: reconstruct it first")
+    angles = document.get("made-with", {}).get("angles") or [parse_view(view)[0] for view in document.get("views", ())]
+    return VolumeSequence(
+        name=name,
+        files=files,
+        angles_deg=tuple(map(float, angles)) or ANGLES_DEG,
+        output=OutputOptions(**document.get("output", {})),
+        document=document,
+        density_name=grid or DENSITY,
+    )
+
+
+def _find_density(path: Path, facts: list[GridFacts], asked: str | None) -> tuple[str, tuple[str, ...]]:
+    """Return which grid is the density, and what to say about that."""
+    numbers = [grid.name for grid in facts if grid.kind == "float"]
+    have = ", ".join(grid.name for grid in facts) or "no grid"
+    if asked:
+        if asked not in [grid.name for grid in facts]:
+            raise ValueError(f"{path}: there is no grid {asked}, it has {have}: choose one with --grid")
+        return asked, ()
+    if any(grid.name == DENSITY for grid in facts):
+        return DENSITY, ()
+    if len(numbers) == 1:
+        return numbers[0], (f"{path.name} has no grid density: its grid {numbers[0]} is taken for it",)
+    raise ValueError(f"{path}: there is no grid density, it has {have}: choose one with --grid")
+
+
+def _common(files: dict[int, Path], facts: dict[int, list[GridFacts]], density: str, up: str) -> Lattice | None:
+    """Return the lattice of all frames; of one voxel where none holds anything, None where files tell no place."""
+    parts = {}
+    for frame, path in files.items():
+        grid = next((grid for grid in facts[frame] if grid.name == density), None)
+        if grid is None or not grid.readable:
+            continue  # reading that frame tells what is wrong
+        if grid.about.get("placed") is False:
+            return None
+        fit = [other for other in facts[frame] if other.readable and other.lattice == grid.lattice]
+        parts[path] = join({Path(other.name): lattice_of(other, other.whole, up) for other in fit})
+    found = join(parts)
+    return found or (Lattice(1.0, (0.0, 0.0, 0.0), (1, 1, 1)) if parts else None)
