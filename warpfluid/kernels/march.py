@@ -1,0 +1,205 @@
+"""March rays through a medium that gives off, hides and scatters light: one pixel a thread, one ray a pixel.
+
+``ray`` says what happens along a ray. Bricks in which there is nothing to meet are skipped, which changes no bit.
+"""
+
+import warp as wp
+
+from warpfluid.kernels import checks
+from warpfluid.kernels.bricks import BRICK
+from warpfluid.kernels.launch import launch
+from warpfluid.kernels.ray import CAMERA, DARK, ERRORS, GEOMETRY, HALF_WAY, MEET, MOST_SUNS, PASS, PLACE
+
+wp.set_module_options({"enable_backward": False})
+
+FINEST = 1 / 16  # of the distance between two planes
+OPAQUE = 1 / 16  # of the tolerance: less than this of the light behind is not followed
+
+MARCH = (
+    GEOMETRY
+    + PLACE
+    + MEET
+    + PASS
+    + ERRORS
+    + HALF_WAY
+    + DARK
+    + f"""
+    Sample start = near > nearest ? Sample{{from}} : meet(from);
+    for (double q = from; near < far && way * (to - q) > 0.0;) {{
+        const double plane = way > 0 ? wp::floor(q) : wp::ceil(q);
+        const int skipped = dark(q);
+        q = plane + way * wp::max(skipped, 1);
+        if (way * (to - q) < 0.0) q = to;
+        if (skipped) {{
+            start = {{q}};
+            mark(q);
+            continue;
+        }}
+        if (open < {OPAQUE} * scene.error && scene.density_field < 0) break;
+        Sample ends[6] = {{meet(q)}};
+        density_sum += 0.5f * length * (float)wp::abs(q - start.q) * (start.density + ends[0].density);
+        for (int top = 0; top >= 0;) {{
+            const float most = wp::max(seen[0], wp::max(seen[1], seen[2])), bound = scene.error * wp::max(1.0f, most);
+            const Sample end = ends[top];
+            const bool fine = !scene.adapt || wp::abs(end.q - start.q) <= {FINEST} || open < {OPAQUE} * scene.error;
+            if (!fine && may_err(start, end) > bound) {{
+                ends[top + 1] = meet(0.5 * (start.q + end.q));
+                if (does_err(start, ends[top + 1], end) > bound) {{
+                    ++top;
+                    continue;
+                }}
+                pass(start, ends[top + 1]);
+                start = ends[top + 1];
+                mark(start.q);
+            }}
+            pass(start, end);
+            start = end;
+            mark(end.q);
+            --top;
+        }}
+    }}
+    const size_t pixel = (size_t)row * width + column;
+    for (int c = 0; c < 3; ++c) {{
+        color.data[3 * pixel + c] = seen[c];
+        emission.data[3 * pixel + c] = glow[c];
+    }}
+    sums.data[3 * pixel] = 1.0f - open;
+    sums.data[3 * pixel + 1] = total > 0.0f ? (float)half_way() : -1.0f;
+    sums.data[3 * pixel + 2] = density_sum;
+"""
+)
+
+
+@wp.struct
+class Scene:
+    """What the rays meet, and what is asked about it.
+
+    Attributes:
+        camera: Eye, right, up and forward, each (x, z, y), then pixel, shift right and up, and 1 for perspective.
+        f0: A field, shape (x, z, y); f1 to f3 are others, or the same again.
+        field_count: How many of them differ.
+        density_field: Which of them is summed up unattenuated; -1 for none.
+        extinction: Entries of the curve [1/voxel], shape (n, 1); none for no extinction.
+        emission: Light given off [1/voxel], shape (n, 1 or 3), or none.
+        albedo: Share of the lost light that is scattered, shape (n, 1 or 3), or none.
+        reads: Which field each of the three curves reads.
+        times: Which field multiplies it, or -1.
+        per_entry: Entries a unit of the field.
+        bricks: 0 where there is nothing to meet, a brick of voxels each.
+        suns: Direction to each sun (x, z, y) and its colour, shape (sun, 6).
+        shadows: Transmittance to each, shape (sun, x, z, y), or none.
+        ambient: Mean radiance from elsewhere, shape (x, z, y), or none.
+        limits: Depth at which each ray ends, or none.
+        anisotropy: g of the phase function.
+        edge_fade: Voxels over which the medium begins at the sides.
+        error: What a pixel may be wrong by.
+        adapt: Whether intervals may be halved.
+    """
+
+    camera: wp.array[wp.float64]
+    f0: wp.array3d[float]
+    f1: wp.array3d[float]
+    f2: wp.array3d[float]
+    f3: wp.array3d[float]
+    field_count: int
+    density_field: int
+    extinction: wp.array2d[float]
+    emission: wp.array2d[float]
+    albedo: wp.array2d[float]
+    reads: wp.vec3i
+    times: wp.vec3i
+    per_entry: wp.vec3
+    bricks: wp.array3d[wp.uint8]
+    suns: wp.array2d[float]
+    shadows: wp.array4d[float]
+    ambient: wp.array3d[wp.vec3]
+    limits: wp.array2d[float]
+    anisotropy: wp.float64
+    edge_fade: wp.float64
+    error: float
+    adapt: bool
+
+
+@wp.func_native(snippet=MARCH)
+def march_ray(
+    row: int,
+    column: int,
+    scene: Scene,
+    color: wp.array3d[float],
+    emission: wp.array3d[float],
+    sums: wp.array3d[float],
+):
+    """Follow the ray of a pixel."""
+
+
+@wp.kernel
+def march_kernel(
+    first_row: int,
+    first_block: int,
+    scene: Scene,
+    color: wp.array3d[float],
+    emission: wp.array3d[float],
+    sums: wp.array3d[float],
+):
+    """Follow the rays of a row of pixels."""
+    i, column, j = wp.tid()
+    if first_block + j == 0:
+        march_ray(first_row + i, column, scene, color, emission, sums)
+
+
+def march_rays(scene: Scene, *, color: wp.array3d[float], emission: wp.array3d[float], sums: wp.array3d[float]) -> None:
+    """Render a picture.
+
+    Args:
+        scene: What the rays meet.
+        color: Light of each pixel to write, shape (rows, columns, 3), the top row first.
+        emission: The part of it that the medium gives off.
+        sums: Opacity, depth or -1 where there is nothing, and the sum of the density.
+
+    Raises:
+        ValueError: If shapes, types or devices do not fit.
+    """
+    device = _check(scene, color, emission, sums)
+    launch(march_kernel, (*color.shape[:2], 1), [scene], [color, emission, sums], device, whole_columns=True)
+
+
+def _check(scene: Scene, color: wp.array, emission: wp.array, sums: wp.array) -> wp.Device:
+    """Check all arrays of a scene and return their device."""
+    pictures = {"color": color, "emission": emission, "sums": sums}
+    fields = {name: getattr(scene, name) for name in ("f0", "f1", "f2", "f3")}
+    curves = {f"curve of {name}": getattr(scene, name) for name in ("extinction", "emission", "albedo")}
+    curves = {name: curve for name, curve in curves.items() if curve is not None}
+    light = {name: getattr(scene, name) for name in ("suns", "shadows", "ambient", "limits")}
+    light = {name: array for name, array in light.items() if array is not None}
+    device = checks.same_device(**pictures, camera=scene.camera, bricks=scene.bricks, **fields, **curves, **light)
+    checks.floats(3, **pictures, **fields)
+    checks.floats(2, **curves)
+    checks.typed(wp.float64, 1, camera=scene.camera)
+    checks.typed(wp.uint8, 3, bricks=scene.bricks)
+    checks.same_shape(**fields)
+    checks.shape((*color.shape[:2], 3), **pictures)
+    checks.shape((CAMERA,), camera=scene.camera)
+    checks.shape(tuple(-(-n // BRICK) for n in scene.f0.shape), bricks=scene.bricks)
+    _check_light(light, scene.f0.shape, color.shape)
+    for name, curve in curves.items():
+        if curve.shape[0] < 1 or curve.shape[1] not in (1, 3):
+            raise ValueError(f"{name} has shape {curve.shape}, expected (n, 1) or (n, 3)")
+    return device
+
+
+def _check_light(light: dict[str, wp.array], volume: tuple[int, ...], picture: tuple[int, ...]) -> None:
+    """Check what is given of suns, shadows, ambient light and limits."""
+    if "shadows" in light:
+        suns = light["shadows"].shape[0]
+        if suns > MOST_SUNS or "suns" not in light:
+            raise ValueError(f"shadows are of {suns} suns, expected at most {MOST_SUNS}, and the suns with them")
+        checks.floats(4, shadows=light["shadows"])
+        checks.floats(2, suns=light["suns"])
+        checks.shape((suns, *volume), shadows=light["shadows"])
+        checks.shape((suns, 6), suns=light["suns"])
+    if "ambient" in light:
+        checks.typed(wp.vec3, 3, ambient=light["ambient"])
+        checks.shape(volume, ambient=light["ambient"])
+    if "limits" in light:
+        checks.floats(2, limits=light["limits"])
+        checks.shape(picture[:2], limits=light["limits"])
