@@ -146,8 +146,9 @@ def open_volumes(
     if (path / SETTINGS).is_file():
         return _open_run(Run(path), str(name), grid)
     files = find_volumes(path)
-    facts = {frame: file_facts(file) for frame, file in files.items()}
-    density, messages = _find_density(next(iter(files.values())), next(iter(facts.values())), grid)
+    first = next(iter(files.values()))
+    density, messages = _find_density(first, file_facts(first), grid)
+    facts = {frame: _facts_or_none(file) for frame, file in files.items()}
     sequence = VolumeSequence(
         name=str(name),
         files=files,
@@ -178,6 +179,14 @@ def _open_run(run: Run, name: str, grid: str | None) -> VolumeSequence:
     )
 
 
+def _facts_or_none(path: Path) -> list[GridFacts]:
+    """Return what is known of a file's grids; of a damaged file nothing, for reading that frame tells what is wrong."""
+    try:
+        return file_facts(path)
+    except ValueError:
+        return []
+
+
 def _find_density(path: Path, facts: list[GridFacts], asked: str | None) -> tuple[str, tuple[str, ...]]:
     """Return which grid is the density, and what to say about that."""
     numbers = [grid.name for grid in facts if grid.kind == "float"]
@@ -199,7 +208,7 @@ def _common(files: dict[int, Path], facts: dict[int, list[GridFacts]], density: 
     for frame, path in files.items():
         grid = next((grid for grid in facts[frame] if grid.name == density), None)
         if grid is None or not grid.readable:
-            continue  # reading that frame tells what is wrong
+            continue
         if grid.about.get("placed") is False:
             return None
         fit = [other for other in facts[frame] if other.readable and other.lattice == grid.lattice]
