@@ -197,11 +197,11 @@ def test_a_library_that_gives_up(tmp_path, flags, monkeypatch, capsys):
 
 def test_the_report_names_what_it_shows(tmp_path, monkeypatch):
     """Where the page has fewer frames than the run, it says which; where it has all, nothing."""
-    from warpfluid.report import of_run
+    from warpfluid.report import of_reconstruction
 
     flags = [*quick(*pair(tmp_path, FRAMES)), "--no-turntable"]
     for most, told in ((3, True), (4, False)):
-        monkeypatch.setattr(of_run, "SHOWN_FRAMES", most)
+        monkeypatch.setattr(of_reconstruction, "SHOWN_FRAMES", most)
         assert run("reconstruct", *flags, "-o", tmp_path / f"run{most}") == 0
         page = (tmp_path / f"run{most}" / "report.html").read_text()
         assert ("\nShown: 1001, 1003, 1004<" in page) == told

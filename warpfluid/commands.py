@@ -156,13 +156,13 @@ def _summarize(
 ) -> dict[str, str]:
     """Write the turntable and the report of what is finished; return what failed."""
     from warpfluid.report.film import write_film
-    from warpfluid.report.of_run import report_run
+    from warpfluid.report.of_reconstruction import report_reconstruction
 
     jobs = {}
     if settings.output.turntable:
         jobs[FILM] = lambda: write_film(run, settings.output.look, run.folder / FILM)
     if settings.output.report:
-        jobs[PAGE] = lambda: report_run(run, shot, settings, inspection, device=device)
+        jobs[PAGE] = lambda: report_reconstruction(run, shot, settings, inspection, device=device)
     failed = {}
     for name, job in jobs.items() if set(run.records()) & set(shot.frames) else ():
         log.line(f"write   {name}")
