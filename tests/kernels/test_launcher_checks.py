@@ -44,6 +44,7 @@ from warpfluid.kernels import (
     shapes,
     shares,
     spline,
+    surfaces,
     swirl,
     totals,
     tracing,
@@ -279,6 +280,14 @@ LAUNCHERS = {
             "irradiance": lambda device: wp.zeros(2, dtype=wp.vec3, device=device),
         },
         {"factor": 2, "top": 1.0},
+    ),
+    surfaces.see_surfaces: (
+        {
+            "camera": lambda device: wp.zeros(5, dtype=wp.vec3, device=device),
+            "color": lambda device: wp.zeros((N, N), dtype=wp.vec3, device=device),
+            "sums": lambda device: wp.zeros((N, N), dtype=wp.vec2, device=device),
+        },
+        {"stage": surfaces.Stage(), "perspective": True, "samples": 2},
     ),
     optical_flow.regularize: (
         {

@@ -42,6 +42,10 @@ class InnerLight:
     open: wp.array
     factor: int
 
+    def for_march(self) -> dict[str, wp.array]:
+        """Return what ``march`` takes."""
+        return {"shadows": self.shadows, "ambient": self.ambient}
+
 
 def light_volume(medium: Medium, lighting: Lighting, *, fine: bool = False) -> InnerLight:
     """Find the light within a volume.

@@ -1,0 +1,257 @@
+"""Solid surfaces as a camera sees them: triangles and level ground, lit by suns, the sky, and fire in the volume.
+
+Vectors are (x, y, z) here, as the meshes' are; only what is read from volumes is (x, z, y).
+"""
+
+import warp as wp
+
+from warpfluid.kernels import checks
+from warpfluid.kernels.launch import launch
+from warpfluid.kernels.sampling import trilinear
+
+wp.set_module_options({"enable_backward": False})
+
+FAR = 1.0e6  # voxels; no ray goes further
+NEAR = 0.01  # voxels that a ray to a light begins above its surface
+SKY_RAYS = 12  # a sample, to tell how much of the sky the triangles hide
+GOLDEN_ANGLE = 2.399963
+
+
+@wp.struct
+class Stage:
+    """Surfaces and their light.
+
+    Attributes:
+        mesh: The triangles; 0 for none.
+        normals: Of the triangles' corners, shape (3 m,).
+        colors: Share of light that each triangle reflects, shape (m,).
+        ground: Height of the ground, the middle (x, z) of the shown part, and its radius; a radius of 0 for none.
+        ground_color: Share of light that it reflects.
+        sun_directions: To each sun, unit vectors, shape (sun,).
+        sun_colors: Irradiance, shape (sun,).
+        shadows: Transmittance of the volume to each sun, shape (sun, x, z, y).
+        open: Share of the sky that is open within the volume, on a coarse lattice, shape (x, z, y).
+        factor: Voxels along an edge of one of that lattice.
+        sky: Harmonics of the irradiance from the sky, shape (9,).
+        fires: Where fire is, and half the width of what each stands for, shape (fire,).
+        fire_colors: Radiance times voxels of each, shape (fire,).
+    """
+
+    mesh: wp.uint64
+    normals: wp.array[wp.vec3]
+    colors: wp.array[wp.vec3]
+    ground: wp.vec4
+    ground_color: wp.vec3
+    sun_directions: wp.array[wp.vec3]
+    sun_colors: wp.array[wp.vec3]
+    shadows: wp.array4d[float]
+    open: wp.array3d[float]
+    factor: int
+    sky: wp.array[wp.vec3]
+    fires: wp.array[wp.vec4]
+    fire_colors: wp.array[wp.vec3]
+
+
+@wp.struct
+class Hit:
+    """Where a ray meets a surface: distance, or -1; normals of the triangle and of the surface; colour and cover."""
+
+    distance: float
+    flat: wp.vec3
+    normal: wp.vec3
+    color: wp.vec3
+    cover: float
+
+
+@wp.func
+def hidden(stage: Stage, start: wp.vec3, towards: wp.vec3, reach: float) -> bool:
+    """Tell whether a triangle lies on the way."""
+    if stage.mesh == wp.uint64(0):
+        return False
+    return wp.mesh_query_ray_anyhit(stage.mesh, start, towards, reach)
+
+
+@wp.func
+def find_surface(stage: Stage, start: wp.vec3, towards: wp.vec3) -> Hit:
+    """Return the first surface on a ray."""
+    hit = Hit()
+    hit.distance = -1.0
+    if stage.mesh != wp.uint64(0):
+        query = wp.mesh_query_ray(stage.mesh, start, towards, FAR)
+        if query.result:
+            first = 3 * query.face
+            hit.distance = query.t
+            hit.flat = query.normal * wp.sign(query.sign)
+            smooth = query.u * stage.normals[first] + query.v * stage.normals[first + 1]
+            smooth += (1.0 - query.u - query.v) * stage.normals[first + 2]
+            hit.normal = wp.normalize(smooth) * wp.sign(query.sign)
+            hit.color = stage.colors[query.face]
+            hit.cover = 1.0
+    if stage.ground[3] > 0.0 and towards[1] < 0.0:
+        distance = (stage.ground[0] - start[1]) / towards[1]
+        at = start + distance * towards
+        away = wp.length(wp.vec2(at[0] - stage.ground[1], at[2] - stage.ground[2])) / stage.ground[3]
+        fade = wp.clamp(2.0 - 2.0 * away, 0.0, 1.0)
+        if distance > 0.0 and fade > 0.0 and (hit.distance < 0.0 or distance < hit.distance):
+            hit.distance = distance
+            hit.flat = wp.vec3(0.0, 1.0, 0.0)
+            hit.normal = hit.flat
+            hit.color = stage.ground_color
+            hit.cover = fade * fade * (3.0 - 2.0 * fade)
+    return hit
+
+
+@wp.func
+def through_volume(shadow: wp.array3d[float], at: wp.vec3, towards: wp.vec3) -> float:
+    """Return how much of a sun's light comes through the box to a point anywhere."""
+    size = wp.vec3(float(shadow.shape[0]), float(shadow.shape[2]), float(shadow.shape[1]))
+    near = float(0.0)
+    far = float(FAR)
+    for i in range(3):
+        if wp.abs(towards[i]) > 1.0e-6:
+            one = (-0.5 - at[i]) / towards[i]
+            other = (size[i] - 0.5 - at[i]) / towards[i]
+            near = wp.max(near, wp.min(one, other))
+            far = wp.min(far, wp.max(one, other))
+        elif at[i] < -0.5 or at[i] > size[i] - 0.5:
+            far = -1.0
+    if near >= far:
+        return 1.0
+    entry = at + near * towards
+    return trilinear(shadow, wp.vec3(entry[0], entry[2], entry[1]))
+
+
+@wp.func
+def open_sky(stage: Stage, at: wp.vec3) -> float:
+    """Return how much of the sky the volume leaves; far from the box all of it."""
+    factor = float(stage.factor)
+    size = factor * wp.vec3(float(stage.open.shape[0]), float(stage.open.shape[2]), float(stage.open.shape[1]))
+    beyond = wp.vec3()
+    for i in range(3):
+        beyond[i] = wp.max(wp.max(-0.5 - at[i], at[i] - size[i] + 0.5), 0.0)
+    place = (wp.vec3(at[0], at[2], at[1]) + wp.vec3(0.5, 0.5, 0.5)) / factor - wp.vec3(0.5, 0.5, 0.5)
+    within = trilinear(stage.open, place)
+    share = wp.clamp(2.0 * wp.length(beyond) / wp.max(size), 0.0, 1.0)
+    return wp.lerp(within, 1.0, share * share * (3.0 - 2.0 * share))
+
+
+@wp.func
+def unhidden_sky(stage: Stage, at: wp.vec3, normal: wp.vec3, turn: float) -> float:
+    """Return the share of the sky, by the cosine, that triangles leave; a spiral of rays, turned in each sample."""
+    if stage.mesh == wp.uint64(0):
+        return 1.0
+    side = wp.vec3(1.0, 0.0, 0.0)
+    if wp.abs(normal[0]) > 0.7:
+        side = wp.vec3(0.0, 0.0, 1.0)
+    across = wp.normalize(wp.cross(normal, side))
+    along = wp.cross(normal, across)
+    seen = float(0.0)
+    for i in range(SKY_RAYS):
+        square = (float(i) + 0.5) / float(SKY_RAYS)
+        angle = GOLDEN_ANGLE * float(i) + turn
+        flat = wp.cos(angle) * across + wp.sin(angle) * along
+        if not hidden(stage, at, wp.sqrt(square) * flat + wp.sqrt(1.0 - square) * normal, FAR):
+            seen += 1.0 / float(SKY_RAYS)
+    return seen
+
+
+@wp.func
+def from_sky(sky: wp.array[wp.vec3], n: wp.vec3) -> wp.vec3:
+    """Return the irradiance from the sky; the functions are those of ``rendering/harmonics.py``."""
+    total = 0.28209479 * sky[0] + 0.48860251 * (n[1] * sky[1] + n[2] * sky[2] + n[0] * sky[3])
+    total += 1.09254843 * (n[0] * n[1] * sky[4] + n[1] * n[2] * sky[5] + n[0] * n[2] * sky[7])
+    total += 0.31539157 * (3.0 * n[2] * n[2] - 1.0) * sky[6] + 0.54627422 * (n[0] * n[0] - n[1] * n[1]) * sky[8]
+    return wp.max(total, wp.vec3())
+
+
+@wp.func
+def shade(stage: Stage, at: wp.vec3, hit: Hit, turn: float) -> wp.vec3:
+    """Return the light that a matt surface reflects."""
+    above = at + NEAR * hit.flat
+    light = unhidden_sky(stage, above, hit.flat, turn) * open_sky(stage, above) * from_sky(stage.sky, hit.normal)
+    for k in range(stage.sun_directions.shape[0]):
+        towards = stage.sun_directions[k]
+        cosine = wp.dot(towards, hit.normal)
+        if cosine > 0.0 and wp.dot(towards, hit.flat) > 0.0 and not hidden(stage, above, towards, FAR):
+            light += cosine * through_volume(stage.shadows[k], at, towards) * stage.sun_colors[k]
+    for k in range(stage.fires.shape[0]):
+        fire = stage.fires[k]
+        way = wp.vec3(fire[0], fire[1], fire[2]) - at
+        distance = wp.length(way)
+        cosine = wp.dot(way, hit.normal) / wp.max(distance, NEAR)
+        if cosine > 0.0 and not hidden(stage, above, way / wp.max(distance, NEAR), wp.max(distance - fire[3], 0.0)):
+            light += cosine / (distance * distance + fire[3] * fire[3]) * stage.fire_colors[k]
+    return wp.cw_mul(hit.color, light) / wp.pi
+
+
+@wp.kernel
+def surface_kernel(
+    first_row: int,
+    first_block: int,
+    stage: Stage,
+    camera: wp.array[wp.vec3],
+    perspective: bool,
+    samples: int,
+    color: wp.array2d[wp.vec3],
+    sums: wp.array2d[wp.vec2],
+):
+    """Follow the rays of a pixel's samples; the camera is eye, steps to the right and up, forward, and first pixel."""
+    i, column, _ = wp.tid()
+    row = first_row + i
+    light = wp.vec3()
+    cover = float(0.0)
+    depth = float(0.0)
+    share = 1.0 / float(samples * samples)
+    state = wp.rand_init(7, row * color.shape[1] + column)
+    for sample in range(samples * samples):
+        right = float(column) + (float(sample % samples) + 0.5) / float(samples) - 0.5
+        down = float(row) + (float(sample // samples) + 0.5) / float(samples) - 0.5
+        across = camera[4] + right * camera[1] - down * camera[2]
+        start = camera[0]
+        towards = camera[3]
+        if perspective:
+            towards = wp.normalize(towards + across)
+        else:
+            start += across
+        hit = find_surface(stage, start, towards)
+        turn = 6.2831853 * wp.randf(state)
+        if hit.distance >= 0.0:
+            light += share * hit.cover * shade(stage, start + hit.distance * towards, hit, turn)
+            depth += share * hit.cover * hit.distance * wp.dot(towards, camera[3])
+            cover += share * hit.cover
+    color[row, column] = light
+    sums[row, column] = wp.vec2(cover, depth)
+
+
+def see_surfaces(
+    stage: Stage,
+    camera: wp.array[wp.vec3],
+    *,
+    perspective: bool,
+    samples: int,
+    color: wp.array2d[wp.vec3],
+    sums: wp.array2d[wp.vec2],
+) -> None:
+    """Render surfaces.
+
+    Args:
+        stage: The surfaces and their light.
+        camera: Eye, a pixel's step to the right and up, forward, and the way from the middle of the picture to its
+            first pixel, at distance 1 for perspective, shape (5,).
+        perspective: Whether rays meet in the eye.
+        samples: Samples a pixel and axis.
+        color: Light of what is covered, to write, shape (rows, columns).
+        sums: Share of the pixel that is covered, and the depth along forward times that share, to write.
+
+    Raises:
+        ValueError: If shapes, types or devices do not fit.
+    """
+    device = checks.same_device(camera=camera, color=color, sums=sums)
+    checks.typed(wp.vec3, 1, camera=camera)
+    checks.typed(wp.vec3, 2, color=color)
+    checks.typed(wp.vec2, 2, sums=sums)
+    checks.shape((5,), camera=camera)
+    checks.same_shape(color=color, sums=sums)
+    if samples < 1:
+        raise ValueError(f"samples is {samples}, expected 1 or more")
+    launch(surface_kernel, (*color.shape, 1), [stage, camera, perspective, samples], [color, sums], device)
