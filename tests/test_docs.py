@@ -13,10 +13,13 @@ from warpfluid.cli import app
 from warpfluid.options import (
     SIMULATE_PAPER,
     THINGS,
+    CameraOptions,
     CompareOptions,
     InputOptions,
+    LightOptions,
     OutputOptions,
     ReconstructOptions,
+    RenderOptions,
     SimulateOptions,
 )
 from warpfluid.options.scene import parse_thing
@@ -30,6 +33,9 @@ SECTIONS = {
     SimulateOptions: "### Simulation",
     OutputOptions: "### Output",
     CompareOptions: "### Comparison",
+    RenderOptions: "### Picture",
+    CameraOptions: "### Camera",
+    LightOptions: "### Light",
     THINGS["emitter"]: "### Emitters",
     THINGS["obstacle"]: "### Obstacles",
     THINGS["force"]: "### Forces",

@@ -10,7 +10,7 @@ from warpfluid.rendering.lamps import Lamps
 
 
 def test_a_key_light_of_one_makes_a_white_surface_white():
-    (sun,) = Lamps(LightOptions(key_color="1,0.5,0.25", ambient=0)).at(1).suns
+    (sun,) = Lamps(LightOptions(key_color="1,0.5,0.25", key_strength=1, ambient=0)).at(1).suns
     np.testing.assert_allclose(np.array(sun.color) / np.pi, (1, 0.5, 0.25))
 
 

@@ -57,7 +57,7 @@ def test_any_value_has_a_colour(values, name):
 
 def test_unknown_ramps_and_whites_are_refused():
     """The message lists the ramps there are."""
-    with pytest.raises(ValueError, match="'plasma'; choose one of fire, smoke, jet, gray"):
+    with pytest.raises(ValueError, match="'plasma'; choose one of fire, smoke, explosion, blackbody, water, jet, gray"):
         apply_ramp(np.zeros(3), "plasma")
     with pytest.raises(ValueError, match="white is 0"):
         apply_ramp(np.zeros(3), "gray", white=0)

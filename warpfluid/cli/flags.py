@@ -7,6 +7,7 @@ from typing import Annotated, get_args, get_type_hints
 from cyclopts import Group, Parameter
 
 from warpfluid.options import InputOptions, OutputOptions, ReconstructOptions, SimulateOptions
+from warpfluid.options.checks import VECTORS
 
 
 def _whole_number(_, tokens) -> int:
@@ -24,7 +25,11 @@ def make_flags(options: type, title: str, order: int) -> type:
         kind, text = get_args(hints[option.name])[:2]
         default = False if option.default is None else lambda _, value=option.default: value
         convert = _whole_number if int in (kind, *get_args(kind)) else None
-        flag = Annotated[kind | None, Parameter(help=text, show_default=default, converter=convert)]
+        vector = option.name in VECTORS  # -1,0,0 looks like a flag
+        flag = Annotated[
+            kind | None,
+            Parameter(help=text, show_default=default, converter=convert, allow_leading_hyphen=vector),
+        ]
         made.append((option.name, flag, field(default=None)))
     flags = make_dataclass(f"{options.__name__}Flags", made, frozen=True, kw_only=True)
     flags.__module__ = __name__  # without a module of ours cyclopts takes it for one opaque value

@@ -173,7 +173,10 @@ class OutputOptions:
     up: Annotated[Literal["y", "z"], "Axis that points up in the files: y for Houdini and Maya, z for Blender"] = "y"
     voxel_size: Annotated[float, "Edge of a voxel in the units of the scene"] = 0.01
     drop_below: Annotated[float, "Density not stored, as a part of the frame's maximum"] = 1e-4
-    look: Annotated[Literal["fire", "smoke", "gray", "jet"], "Colours of the turntable and the report"] = "fire"
+    look: Annotated[
+        Literal["fire", "smoke", "explosion", "blackbody", "water", "gray", "jet"],
+        "Colours of the turntable and the report, and the look of render",
+    ] = "fire"
     turntable: Annotated[bool, "Write turntable.mp4"] = True
     report: Annotated[bool, "Write report.html"] = True
 

@@ -34,7 +34,7 @@ class CameraOptions:
     turntable: Annotated[
         int | None, "Pictures of one full turn around the box; the sequence plays meanwhile, again and again"
     ] = None
-    camera: Annotated[str | None, "File .json with keys of these numbers; see docs/rendering.md"] = None
+    camera: Annotated[str | None, "File .json with keys of these numbers, which count instead"] = None
     stereo: Annotated[
         Literal["none", "side-by-side", "separate"], "Two eyes: in one picture, or in files NAME.left and NAME.right"
     ] = "none"
@@ -49,12 +49,12 @@ class CameraOptions:
 class LightOptions:
     """What lights the fluid and what stands in it."""
 
-    key_light: Annotated[str, "Direction x,y,z to the key light"] = "-1,1.6,0.9"
+    key_light: Annotated[str, "Direction x,y,z to the key light"] = "-1,1,0.4"
     key_strength: Annotated[
-        float | str | None, "Light of the key light, 1 makes thick white smoke white; 1 by default, 0 with a probe"
+        float | str | None, "Light of the key light: 1 lights a white wall fully; 1.5 by default, 0 with a probe"
     ] = None
     key_color: Annotated[str, "Its colour: red,green,blue"] = "1,0.95,0.88"
-    ambient: Annotated[float | str, "Light of the sky, which comes from everywhere; not with a probe"] = 0.25
+    ambient: Annotated[float | str, "Light of the sky, which comes from everywhere; not with a probe"] = 0.12
     ambient_color: Annotated[str, "Its colour: red,green,blue"] = "0.75,0.88,1"
     probe: Annotated[
         str | None, "Picture of all surroundings whose light counts instead: latitude and longitude, .exr or .hdr"
@@ -95,7 +95,7 @@ class RenderOptions:
     backdrop: Annotated[str, "Colour red,green,blue behind everything, as the screen shows it"] = "0,0,0"
     motion_blur: Annotated[float, "Part of a frame that the shutter is open; velocity is needed"] = 0.0
     blur_samples: Annotated[int, "Moments that a blurred picture is the mean of"] = 8
-    error: Annotated[float, "Largest error of a pixel that a step along a ray may make, of white"] = 1 / 512
+    error: Annotated[float, "Largest error of a pixel that a step along a ray may make, of white"] = 0.002
     fps: Annotated[float | None, "Frames a second of a film; the run's by default, or 24"] = None
     deep: Annotated[bool, "16 bits a channel in .png"] = False
     half: Annotated[bool, "Half precision in .exr"] = False

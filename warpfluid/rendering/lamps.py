@@ -14,6 +14,7 @@ from warpfluid.rendering.probe import light_from_probe, read_probe
 
 ABOVE, BELOW = 1.4, 0.6  # of the sky's light, straight above and straight below
 PROBE_SUNS = 2
+KEY = 1.5  # strength of the key light where there is no probe
 FAINTEST = 1e-6
 
 
@@ -48,7 +49,7 @@ class Lamps:
             lighting = light_from_probe(
                 self.probe, suns=PROBE_SUNS, rotation_deg=rotation, exposure=math.log2(strength)
             )
-        usual = 0.0 if options.probe else 1.0
+        usual = 0.0 if options.probe else KEY
         strength = Keyed(usual if options.key_strength is None else options.key_strength).at(frame)
         if strength < FAINTEST:
             return lighting

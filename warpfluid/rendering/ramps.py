@@ -27,6 +27,33 @@ RAMPS: dict[str, dict[float, tuple[int, int, int]]] = {
         208: (213, 213, 213),
         255: (250, 248, 245),
     },
+    "explosion": {
+        0: (0, 0, 0),
+        48: (38, 33, 30),
+        104: (92, 68, 54),
+        144: (158, 92, 54),
+        184: (232, 140, 60),
+        220: (255, 208, 110),
+        255: (255, 250, 232),
+    },
+    "blackbody": {
+        0: (0, 0, 0),
+        24: (40, 3, 0),
+        64: (118, 20, 0),
+        104: (190, 62, 4),
+        144: (240, 118, 22),
+        184: (255, 176, 78),
+        220: (255, 218, 150),
+        255: (255, 246, 226),
+    },
+    "water": {
+        0: (0, 0, 0),
+        40: (8, 34, 50),
+        104: (42, 104, 138),
+        168: (126, 184, 210),
+        216: (206, 232, 243),
+        255: (248, 252, 255),
+    },
     "jet": {
         0: (0, 0, 128),
         31.875: (0, 0, 255),
@@ -45,7 +72,7 @@ def apply_ramp(images: np.ndarray, name: str, white: float = 255.0) -> np.ndarra
 
     Args:
         images: Grey values, any shape; what lies outside 0 to ``white`` takes the ramp's ends.
-        name: One of ``RAMPS``: fire, smoke, jet, gray.
+        name: One of ``RAMPS``: fire, smoke, explosion, blackbody, water, jet, gray.
         white: Grey value that gets the ramp's last colour.
 
     Returns:

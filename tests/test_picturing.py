@@ -1,0 +1,185 @@
+"""``warpfluid render``: runs and volumes become pictures and films."""
+
+import json
+
+import numpy as np
+import pytest
+from tiny import run
+
+from warpfluid.files.images import read_image
+from warpfluid.files.vdb import write_vdb
+from warpfluid.files.video import Video
+from warpfluid.projector import Projector
+from warpfluid.rendering.ramps import apply_ramp
+
+SMALL = ("--device", "cpu", "--resolution", "24x30")
+
+
+def blob(frame=1, shape=(12, 12, 16)):
+    """Return a volume (x, z, y) of two blobs that move."""
+    x, z, y = np.meshgrid(*(np.linspace(-1, 1, n) for n in shape), indexing="ij")
+    at = 0.1 * frame
+    near = np.exp(-((x - at) ** 2 + z**2 + (y + 0.3) ** 2) * 12) + np.exp(-((x + 0.4) ** 2 + z**2 + (y - at) ** 2) * 30)
+    return np.where(near > 0.05, near, 0).astype(np.float32)
+
+
+@pytest.fixture
+def clip(tmp_path):
+    """Return the pattern of three volumes with temperature and velocity."""
+    for frame in (1, 2, 3):
+        density = blob(frame)
+        velocity = np.stack([density * 0, density * 3, density], axis=-1)
+        grids = {"density": density, "temperature": density * 2, "velocity": velocity}
+        write_vdb(tmp_path / f"fire.{frame:04d}.vdb", {name: grid.swapaxes(1, 2) for name, grid in grids.items()})
+    return str(tmp_path / "fire.####.vdb")
+
+
+def test_a_film(clip, tmp_path):
+    assert run("render", clip, "-o", tmp_path / "a.mp4", "--fps", "12", *SMALL) == 0
+    video = Video(tmp_path / "a.mp4")
+    assert (video.count, video.rate, video.size) == (3, 12.0, (24, 30))
+    frames = [video.read(k) for k in range(3)]
+    assert all(frame.max() > 0.3 for frame in frames)
+    assert np.abs(frames[0] - frames[2]).max() > 0.1
+
+
+def test_numbered_pictures_and_their_record(clip, tmp_path, capsys):
+    assert run("render", clip, "-o", tmp_path / "a.###.png", "--frames", "2-3", "--json", *SMALL) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert [made["file"] for made in record["pictures"]] == ["a.002.png", "a.003.png"]
+    assert record["failed"] == {}
+    assert read_image(tmp_path / "a.003.png").shape == (30, 24, 3)
+    assert not (tmp_path / "a.001.png").exists()
+
+
+def test_the_sum_is_the_projectors(clip, tmp_path):
+    """At any angle, a pixel a voxel, in grey levels; a run of others is brought to white at its brightest ray."""
+    volume = blob(2)
+    scale = 255 / blob(1).sum(axis=1).max()
+    flags = ("--mode", "sum", "--frames", "2", "--device", "cpu", "--resolution", "12x16")
+    assert run("render", clip, "-o", tmp_path / "a.exr", *flags, "--angle", "30") == 0
+    projector = Projector([30.0], volume.shape, footprint="joseph")
+    image = projector.project(volume * np.float32(scale))[0].T[::-1]
+    np.testing.assert_allclose(read_image(tmp_path / "a.exr")[..., 0] * 255, image, rtol=2e-5, atol=1e-3)
+    assert run("render", clip, "-o", tmp_path / "a.png", *flags, "--angle", "30", "--look", "jet") == 0
+    shown = read_image(tmp_path / "a.png") * 255
+    assert np.abs(shown - apply_ramp(image, "jet").astype(float)).max() <= 3
+
+
+@pytest.mark.parametrize("look", ["fire", "smoke", "explosion", "blackbody", "water", "jet", "gray"])
+def test_every_look_makes_a_picture(clip, tmp_path, look):
+    assert run("render", clip, "-o", tmp_path / "a.png", "--frames", "1", "--look", look, *SMALL) == 0
+    picture = read_image(tmp_path / "a.png")
+    assert picture.max() > 0.2
+    assert picture[0, 0].max() == 0
+
+
+def test_what_stands_in_is_said(clip, tmp_path, capsys):
+    assert run("render", clip, "-o", tmp_path / "a.png", "--frames", "1", "--look", "fire", *SMALL) == 0
+    assert "the emission of fire wants flame, which is not there" in capsys.readouterr().err
+
+
+def test_a_turntable_of_one_frame(clip, tmp_path):
+    flags = ("--frames", "1", "--turntable", "4", "--look", "smoke", "--ambient", "1", "--key-strength", "0")
+    assert run("render", clip, "-o", tmp_path / "a.#.png", *flags, *SMALL, "--projection", "orthographic") == 0
+    pictures = [read_image(tmp_path / f"a.{k}.png") for k in (1, 2, 3, 4)]
+    assert np.abs(pictures[0] - pictures[1]).max() > 0.1
+    np.testing.assert_allclose(pictures[0], pictures[2][:, ::-1], atol=0.35)
+
+
+def test_keyed_camera(clip, tmp_path):
+    """A key at each frame is that constant."""
+    assert run("render", clip, "-o", tmp_path / "a.#.png", "--angle", "1:0;3:60", "--frames", "2", *SMALL) == 0
+    assert run("render", clip, "-o", tmp_path / "b.#.png", "--angle", "30", "--frames", "2", *SMALL) == 0
+    np.testing.assert_array_equal(read_image(tmp_path / "a.2.png"), read_image(tmp_path / "b.2.png"))
+
+
+def test_stereo(clip, tmp_path):
+    flags = ("--frames", "1", "--look", "smoke", "--eye-distance", "3")
+    assert run("render", clip, "-o", tmp_path / "a.exr", *flags, *SMALL, "--stereo", "separate") == 0
+    left, right = (read_image(tmp_path / f"a.{eye}.exr") for eye in ("left", "right"))
+    assert np.abs(left - right).max() > 0.01
+    flags = (*flags, "--stereo", "side-by-side", "--resolution", "48x30", "--device", "cpu")
+    assert run("render", clip, "-o", tmp_path / "b.exr", *flags) == 0
+    np.testing.assert_array_equal(read_image(tmp_path / "b.exr"), np.concatenate([left, right], axis=1))
+
+
+def test_resume_makes_what_is_missing(clip, tmp_path, capsys):
+    pattern = tmp_path / "a.#.png"
+    assert run("render", clip, "-o", pattern, *SMALL) == 0
+    kept, gone = tmp_path / "a.1.png", tmp_path / "a.2.png"
+    before, age = gone.read_bytes(), kept.stat().st_mtime_ns
+    gone.unlink()
+    assert run("render", clip, "-o", pattern, *SMALL) == 2
+    assert "--overwrite" in capsys.readouterr().err
+    assert run("render", clip, "-o", pattern, "--resume", *SMALL) == 0
+    assert gone.read_bytes() == before
+    assert kept.stat().st_mtime_ns == age
+
+
+def test_a_damaged_frame_is_named_and_the_others_are_made(clip, tmp_path, capsys):
+    path = tmp_path / "fire.0002.vdb"
+    path.write_bytes(path.read_bytes()[:300])
+    assert run("render", clip, "-o", tmp_path / "a.#.png", *SMALL) == 1
+    assert "picture 2: " in capsys.readouterr().err
+    assert [(tmp_path / f"a.{k}.png").exists() for k in (1, 2, 3)] == [True, False, True]
+    assert run("render", clip, "-o", tmp_path / "a.mp4", *SMALL) == 1
+    assert Video(tmp_path / "a.mp4").count == 2
+
+
+@pytest.mark.parametrize("shape", [(1, 1, 1), (3, 5, 7), (9, 2, 1)])
+@pytest.mark.parametrize("look", ["fire", "smoke"])
+def test_odd_boxes(tmp_path, shape, look):
+    write_vdb(tmp_path / "a.0001.vdb", {"density": np.ones(shape, np.float32)})
+    assert run("render", tmp_path / "a.0001.vdb", "-o", tmp_path / "a.png", "--look", look, "--device", "cpu") == 0
+    assert read_image(tmp_path / "a.png").max() > 0
+
+
+@pytest.mark.parametrize("mode", ["lit", "emission", "sum"])
+def test_an_empty_volume_shows_what_is_behind(tmp_path, mode):
+    write_vdb(tmp_path / "a.0001.vdb", {"density": np.zeros((8, 8, 8), np.float32)})
+    flags = ("--look", "smoke", "--mode", mode, "--backdrop", "0.2,0.4,0.6", *SMALL)
+    assert run("render", tmp_path / "a.0001.vdb", "-o", tmp_path / "a.png", *flags) == 0
+    behind = (0, 0, 0) if mode == "sum" else (0.2, 0.4, 0.6)
+    np.testing.assert_allclose(read_image(tmp_path / "a.png"), np.broadcast_to(behind, (30, 24, 3)), atol=1e-6)
+
+
+def test_a_look_of_ones_own(clip, tmp_path):
+    look = {"emission": {"input": {"temperature": 2}, "stops": [[0, 0], [1, [0, 0, 9]]]}}
+    (tmp_path / "blue.json").write_text(json.dumps(look))
+    flags = ("--frames", "1", "--look", tmp_path / "blue.json", "--rolloff", "1")
+    assert run("render", clip, "-o", tmp_path / "a.png", *flags, *SMALL) == 0
+    picture = read_image(tmp_path / "a.png")
+    assert picture[..., 2].max() > 0.3
+    assert picture[..., :2].max() == 0
+
+
+@pytest.mark.parametrize(
+    ("flags", "words"),
+    [
+        (("--frames", "9"), "frames 9 are not there"),
+        (("-o", "none/a.png"), "is no folder"),
+        (("-o", "a.tif"), "unknown kind"),
+        (("-o", "all.png"), "is one picture, and there are 3"),
+        (("-o", "a.mp4", "--resume"), "a film is written in one piece"),
+        (("-o", "a.##.png", "--resume", "--overwrite"), "choose one of them"),
+        (("--look", "fier"), "look is 'fier'"),
+        (("--look", "none.json"), "none.json does not exist"),
+        (("--mode", "sum", "--look", "mine.json"), "but the mode sum knows fire"),
+        (("--resolution", "960"), "expected WIDTHxHEIGHT"),
+        (("--elevation", "91"), "elevation is 91, expected -90 to 90"),
+        (("--key-color", "red"), "key-color is 'red', expected three numbers"),
+        (("--probe", "none.exr"), "none.exr"),
+    ],
+)
+def test_wrong_commands_are_refused_before_any_work(clip, tmp_path, monkeypatch, capsys, flags, words):
+    monkeypatch.chdir(tmp_path)
+    out = () if "-o" in flags else ("-o", "a.##.png")
+    assert run("render", clip, *out, *flags, "--device", "cpu") == 2
+    assert words in capsys.readouterr().err
+    assert not list(tmp_path.glob("a.*png"))
+
+
+def test_no_place_for_the_pictures(clip, capsys):
+    assert run("render", clip) == 2
+    assert "add -o film.mp4" in capsys.readouterr().err

@@ -1,0 +1,45 @@
+"""``warpfluid render``: pictures and films of volumes."""
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated, get_args
+
+from cyclopts import Parameter
+
+from warpfluid.cli.app import app
+from warpfluid.cli.flags import COMMON, Common, make_flags
+from warpfluid.errors import Problems
+from warpfluid.options import CameraOptions, LightOptions, RenderOptions
+
+CameraFlags = make_flags(CameraOptions, "Camera", 2)
+LightFlags = make_flags(LightOptions, "Light", 3)
+PictureFlags = make_flags(RenderOptions, "Picture", 1)
+NO_CAMERA, NO_LIGHT, NO_PICTURE = (get_args(flags)[0]() for flags in (CameraFlags, LightFlags, PictureFlags))
+
+
+@app.command
+def render(
+    source: Annotated[str, Parameter(help="A run, or volumes: a folder, pattern or file, .vdb or .npz")],
+    *,
+    out: Annotated[
+        Path | None,
+        Parameter(name=["--out", "-o"], help="A film (.mp4, .webp, .gif), a picture, or name.####.exr or .png"),
+    ] = None,
+    resume: Annotated[bool, Parameter(negative=(), help="Keep the numbered pictures that are there")] = False,
+    overwrite: Annotated[bool, Parameter(negative=(), help="Replace what is there")] = False,
+    picture: PictureFlags = NO_PICTURE,
+    camera: CameraFlags = NO_CAMERA,
+    light: LightFlags = NO_LIGHT,
+    common: Common = COMMON,
+) -> int:
+    """Render volumes with light and shadow: films, pictures, and layers for compositing."""
+    from warpfluid import picturing
+
+    if out is None:
+        raise ValueError("no place is given for the pictures: add -o film.mp4, or -o picture.####.exr")
+    problems, made = Problems(), []
+    for options, flags in ((CameraOptions, camera), (LightOptions, light), (RenderOptions, picture)):
+        given = {name: value for name, value in asdict(flags).items() if value is not None}
+        made.append(problems.attempt(lambda options=options, given=given: options(**given)))
+    problems.raise_if_any()
+    return picturing.render(source, *made, out, resume=resume, overwrite=overwrite, common=common)

@@ -1,0 +1,224 @@
+"""What ``warpfluid render`` does, once its flags are read."""
+
+import json
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from warpfluid.errors import Problems, describe
+from warpfluid.files.sequences import format_frames, parse_frames
+from warpfluid.options import CameraOptions, LightOptions, RenderOptions
+from warpfluid.outcome import name_failures
+from warpfluid.progress import Progress
+from warpfluid.rendering.framing import cameras, picture_size
+from warpfluid.rendering.lamps import Lamps
+from warpfluid.rendering.output import Target
+from warpfluid.rendering.picture import Picture
+from warpfluid.rendering.studio import Studio, make_studio, stand_ins
+from warpfluid.volumes import VolumeSequence, open_volumes
+
+RATE = 24.0
+TRY_AGAIN = "the other pictures are whole; with numbered pictures, the same command with --resume makes what is missing"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shot:
+    """A picture to make.
+
+    Attributes:
+        number: In its name, by which options are keyed.
+        frame: Volume that it shows.
+        turned: Part of a full turn that the camera has gone.
+    """
+
+    number: int
+    frame: int
+    turned: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Work:
+    """Everything that takes part.
+
+    Attributes:
+        volumes: What is shown.
+        camera: Where from.
+        studio: Takes the pictures.
+        target: Where they go.
+        failed: What went wrong, by picture.
+        made: What was written, a record each.
+    """
+
+    volumes: VolumeSequence
+    camera: CameraOptions
+    studio: Studio
+    target: Target
+    log: Progress
+    failed: dict[str, str] = field(default_factory=dict)
+    made: list[dict] = field(default_factory=list)
+
+    def eyes(self, shot: Shot, fields: dict) -> list[Picture]:
+        """Return the picture of a shot, or those of both eyes."""
+        lit = self.studio.light(fields, shot.number)
+        shape = fields["density"].shape
+        size = picture_size(shape, self.studio.options.size())
+        return [
+            self.studio.shoot(lit, camera) for camera in cameras(self.camera, shape, size, shot.number, shot.turned)
+        ]
+
+
+def render(
+    source: str,
+    camera: CameraOptions,
+    light: LightOptions,
+    options: RenderOptions,
+    out: Path,
+    *,
+    resume: bool = False,
+    overwrite: bool = False,
+    common,
+) -> int:
+    """Make pictures or a film of volumes; return the exit code."""
+    from warpfluid.device import pick_device
+
+    log, problems = Progress(quiet=common.quiet), Problems()
+    facts = {"separate": camera.stereo == "separate", "half": options.half, "deep": options.deep}
+    target = problems.attempt(lambda: Target(path=out, **facts))
+    volumes = problems.attempt(open_volumes, source)
+    device = problems.attempt(pick_device, common.device)
+    lamps = Lamps(light)
+    problems.attempt(lambda: lamps.probe)
+    problems.raise_if_any()
+    studio = make_studio(options, lamps, volumes.output.look, device)
+    shots = make_shots(volumes, options.frames, camera.turntable)
+    check_target(target, shots, resume=resume, overwrite=overwrite)
+    work = Work(volumes=volumes, camera=decided(camera, options), studio=studio, target=target, log=log)
+    _say(work, shots)
+    left = [shot for shot in shots if not (resume and all(file.exists() for file in target.files(shot.number)))]
+    if len(left) < len(shots):
+        log.line(f"kept    {len(shots) - len(left)} pictures that are there")
+    (_film if target.is_film else _stills)(work, left)
+    return _conclude(work, len(shots), common)
+
+
+def make_shots(volumes: VolumeSequence, frames: str | None, turntable: int | None) -> list[Shot]:
+    """Return what to make: a picture a frame, or those of a turn while the sequence plays.
+
+    Raises:
+        ValueError: If a frame is asked for that is not there.
+    """
+    chosen = parse_frames(frames) if frames else list(volumes.frames)
+    missing = [frame for frame in chosen if frame not in volumes.files]
+    if missing:
+        raise ValueError(
+            f"frames {format_frames(missing)} are not there; {volumes.name} has {format_frames(volumes.frames)}"
+        )
+    if not turntable:
+        return [Shot(number=frame, frame=frame) for frame in chosen]
+    return [
+        Shot(number=chosen[0] + i, frame=chosen[i % len(chosen)], turned=i / turntable)
+        for i in range(max(turntable, len(chosen)) if len(chosen) > 1 else turntable)
+    ]
+
+
+def check_target(target: Target, shots: list[Shot], *, resume: bool, overwrite: bool) -> None:
+    """Check that the pictures may be written where they shall be.
+
+    Raises:
+        ValueError: If they may not.
+    """
+    if resume and overwrite:
+        raise ValueError("--resume keeps earlier pictures and --overwrite replaces them: choose one of them")
+    if resume and target.is_film:
+        raise ValueError("a film is written in one piece: --resume is for numbered pictures, such as picture.####.png")
+    if not target.is_film and not target.is_numbered and len(shots) > 1:
+        example = target.path.with_suffix(f".####{target.path.suffix}")
+        raise ValueError(f"{target.path} is one picture, and there are {len(shots)}: use {example}, or choose --frames")
+    there = [file for shot in shots for file in target.files(shot.number) if file.exists()]
+    if there and not (resume or overwrite):
+        raise ValueError(
+            f"{there[0]} is there already: use --overwrite, or another -o" + ("" if target.is_film else ", or --resume")
+        )
+
+
+def decided(camera: CameraOptions, options: RenderOptions) -> CameraOptions:
+    """Return camera options whose projection is chosen."""
+    if camera.projection != "auto":
+        return camera
+    return replace(camera, projection="orthographic" if options.mode == "sum" else "perspective")
+
+
+def _pictures(work: Work, shots: list[Shot]) -> Iterator[tuple[Shot, list[Picture], float]]:
+    """Yield the pictures of shots, with the seconds that each took; what fails is noted and left out."""
+    frame, fields = None, {}
+    for count, shot in enumerate(shots):
+        begin = time.perf_counter()
+        try:
+            if shot.frame != frame:
+                frame, fields = None, {}
+                fields = work.volumes.fields(shot.frame, work.studio.names)
+                frame = shot.frame
+            eyes = work.eyes(shot, fields)
+        except KeyboardInterrupt as stop:
+            raise KeyboardInterrupt(f"stopped after {count} of {len(shots)} pictures") from stop
+        except (ValueError, OSError, MemoryError) as error:
+            work.failed[f"picture {shot.number}"] = describe(error)
+            continue
+        yield shot, eyes, begin
+
+
+def _stills(work: Work, shots: list[Shot]) -> None:
+    """Write a file a picture."""
+    for shot, eyes, begin in _pictures(work, shots):
+        try:
+            files = work.target.write(shot.number, eyes, work.studio.screen, work.volumes.output.voxel_size)
+        except (ValueError, OSError) as error:
+            work.failed[f"picture {shot.number}"] = describe(error)
+            continue
+        _note(work, shot, begin, ", ".join(file.name for file in files))
+
+
+def _film(work: Work, shots: list[Shot]) -> None:
+    """Write all pictures into one file."""
+
+    def frames() -> Iterator[tuple[float, list[Picture]]]:
+        for shot, eyes, begin in _pictures(work, shots):
+            _note(work, shot, begin, work.target.path.name)
+            yield shot.number, eyes
+        if not work.made:
+            raise ValueError("none of its pictures could be made")
+
+    rate = work.studio.options.fps or (work.volumes.document or {}).get("simulate", {}).get("fps", RATE)
+    try:
+        work.target.film(frames(), work.studio.screen, rate)
+    except (ValueError, OSError) as error:
+        work.failed[str(work.target.path)] = describe(error)
+        work.made.clear()
+
+
+def _note(work: Work, shot: Shot, begin: float, name: str) -> None:
+    """Record a picture and say that it is made."""
+    seconds = time.perf_counter() - begin
+    work.made.append({"picture": shot.number, "frame": shot.frame, "file": name, "seconds": round(seconds, 3)})
+    work.log.line(f"picture {shot.number}  frame {shot.frame}, {seconds:.1f} s, {name}")
+
+
+def _say(work: Work, shots: list[Shot]) -> None:
+    """Say what is made of what."""
+    fields = work.volumes.fields(shots[0].frame, work.studio.names)
+    x, z, y = fields["density"].shape
+    width, height = picture_size((x, z, y), work.studio.options.size())
+    name = work.studio.look.name if work.studio.look else work.studio.ramp
+    work.log.line(f"source  {work.volumes.name}: {x}x{y}x{z} voxels, {len(work.volumes.frames)} frames")
+    work.log.line(f"render  {len(shots)} pictures of {width}x{height}, look {name}, mode {work.studio.options.mode}")
+    for line in stand_ins(work.studio.look, fields) if work.studio.look else ():
+        work.log.line(f"note    {line}")
+
+
+def _conclude(work: Work, count: int, common) -> int:
+    if common.json:
+        print(json.dumps({"out": str(work.target.path), "pictures": work.made, "failed": work.failed}))
+    else:
+        print(f"{work.target.path}: {len(work.made)} of {count} pictures")
+    return name_failures(work.failed, TRY_AGAIN)

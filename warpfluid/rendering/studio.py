@@ -1,0 +1,165 @@
+"""A picture of a frame: fields, look and lamps put together, and what a screen shows of it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import warp as wp
+
+from warpfluid.options import RenderOptions
+from warpfluid.options.keys import Keyed
+from warpfluid.rendering.camera import Camera
+from warpfluid.rendering.display import decode_srgb, develop, encode_srgb
+from warpfluid.rendering.lamps import Lamps
+from warpfluid.rendering.lighting import Lighting
+from warpfluid.rendering.look_files import read_look
+from warpfluid.rendering.looks import Look
+from warpfluid.rendering.marching import march
+from warpfluid.rendering.medium import Curve, Medium
+from warpfluid.rendering.picture import Picture
+from warpfluid.rendering.ramps import RAMPS, apply_ramp
+from warpfluid.rendering.shadows import InnerLight, light_volume
+
+WHITE = 255.0
+BRIGHTEST = 1e6  # grey level to which the sum is one straight line
+
+
+@dataclass(frozen=True)
+class Lit:
+    """A frame in its light.
+
+    Attributes:
+        medium: What fills the volume.
+        lighting: What is around it.
+        inner: What of that reaches each voxel; None where nothing scatters.
+    """
+
+    medium: Medium
+    lighting: Lighting
+    inner: InnerLight | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Studio:
+    """Takes pictures of one kind.
+
+    Attributes:
+        options: Of the picture.
+        lamps: The light.
+        look: What numbers look like; None for the mode ``sum``.
+        ramp: Name of the colour ramp of that mode.
+        device: Where pictures are made.
+    """
+
+    options: RenderOptions
+    lamps: Lamps
+    look: Look | None
+    ramp: str
+    device: wp.Device | str = "cpu"
+    _last: list = field(default_factory=list)
+
+    @property
+    def names(self) -> set[str]:
+        """Fields that pictures are made of, if they are there."""
+        inputs = {name for ramp in self.look.ramps.values() for name in ramp.inputs} if self.look else set()
+        blur = {"velocity"} if self.options.motion_blur else set()
+        return {"density"} | inputs - {"speed"} | ({"velocity"} if "speed" in inputs else blur)
+
+    def light(self, fields: Mapping[str, np.ndarray], number: float) -> Lit:
+        """Put a frame into the light that there is at a picture's number.
+
+        Args:
+            fields: By name, shape (x, z, y); velocity (x, z, y, 3). The last ones are known again.
+            number: Of the picture, by which lights are keyed.
+        """
+        lighting = self.lamps.at(number) if self.options.mode == "lit" else Lighting()
+        if self._last and self._last[0] is fields and _alike(self._last[1].lighting, lighting):
+            return self._last[1]
+        medium = self._medium(fields)
+        scatters = self.options.mode == "lit" and medium.albedo and medium.extinction
+        lit = Lit(medium, lighting, light_volume(medium, lighting) if scatters else None)
+        self._last[:] = [fields, lit]
+        return lit
+
+    def shoot(self, lit: Lit, camera: Camera) -> Picture:
+        """Take a picture."""
+        light = {}
+        if lit.inner:
+            light = {"shadows": lit.inner.shadows, "ambient": lit.inner.ambient, "lighting": lit.lighting}
+        picture = march(lit.medium, camera, error=self.options.error, **light)
+        if self.look is None:
+            grey = (picture.density / WHITE)[..., None].repeat(3, axis=2)
+            return replace(picture, color=grey, emission=grey)
+        return picture
+
+    def screen(self, picture: Picture, number: float) -> np.ndarray:
+        """Return the values of a screen, 0 to 1, shape (rows, columns, 3).
+
+        Args:
+            picture: Linear light.
+            number: Of the picture, by which the exposure is keyed.
+        """
+        options = self.options
+        exposure = Keyed(options.exposure).at(number)
+        if self.look is None:
+            return apply_ramp(picture.density, self.ramp, WHITE * 2.0**-exposure) / np.float32(WHITE)
+        light = decode_srgb(develop(picture.color, exposure=exposure, rolloff=options.rolloff))
+        behind = decode_srgb(Keyed(options.backdrop, 3).at(number))
+        return encode_srgb(light + (1 - picture.alpha[..., None]) * behind)
+
+    def _medium(self, fields: Mapping[str, np.ndarray]) -> Medium:
+        """Return a frame's medium on the device; speed is made of velocity."""
+        grids = {name: grid for name, grid in fields.items() if grid.ndim == 3}
+        if self.look is None:
+            curve = Curve("density", BRIGHTEST, np.array([0, BRIGHTEST / WHITE], np.float32))
+            density = {"density": _array(grids["density"], self.device)}
+            return Medium(fields=density, emission=curve, edge_fade=self.options.edge_fade)
+        if "velocity" in fields and any("speed" in ramp.inputs for ramp in self.look.ramps.values()):
+            grids["speed"] = np.linalg.norm(fields["velocity"], axis=3)
+        arrays = {name: _array(grid, self.device) for name, grid in grids.items()}
+        return self.look.medium(arrays, edge_fade=self.options.edge_fade)
+
+
+def make_studio(options: RenderOptions, lamps: Lamps, usual_look: str, device: wp.Device | str) -> Studio:
+    """Return a studio for options.
+
+    Args:
+        options: Of the picture.
+        lamps: The light.
+        usual_look: Where none is asked for.
+        device: Where pictures are made.
+
+    Raises:
+        ValueError: If there is no such look, or its file is wrong.
+        OSError: If its file cannot be read.
+    """
+    name = options.look or usual_look
+    if options.mode == "sum":
+        if name not in RAMPS:
+            raise ValueError(f"look is {name!r}, but the mode sum knows {', '.join(RAMPS)}")
+        return Studio(options=options, lamps=lamps, look=None, ramp=name, device=device)
+    look = read_look(name).with_bias(options.bias).scaled(opacity=options.thickness, emission=options.glow)
+    if options.anisotropy is not None:
+        look = replace(look, anisotropy=options.anisotropy)
+    return Studio(options=options, lamps=lamps, look=look, ramp="gray", device=device)
+
+
+def stand_ins(look: Look, there: Sequence[str]) -> list[str]:
+    """Return sentences about ramps whose own field is not there."""
+    there = [*there, *(["speed"] if "velocity" in there else [])]
+    lines = []
+    for name, chosen in look.fields(there).items():
+        wanted = next(iter(look.ramps[name].inputs))
+        if wanted != chosen:
+            lines.append(f"the {name} of {look.name} wants {wanted}, which is not there: {chosen} stands in for it")
+    return lines
+
+
+def _alike(one: Lighting, other: Lighting) -> bool:
+    """Tell whether two lights are the same."""
+    suns = [[(*sun.direction, *sun.color) for sun in light.suns] for light in (one, other)]
+    return suns[0] == suns[1] and np.array_equal(one.ambient, other.ambient)
+
+
+def _array(grid: np.ndarray, device) -> wp.array:
+    return wp.array(np.ascontiguousarray(grid, np.float32), dtype=float, device=device)
