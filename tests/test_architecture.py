@@ -15,7 +15,10 @@ LAYERS = [
     {"files", "options", "kernels", "device", "errors"},
     {"presets", "views", "footage", "metrics", "projector", "balance", "settings", "run", "volumes", "motion"},
     {"reconstruction", "rendering", "simulation"},
-    {"report", "commands", "comparing", "comparison", "simulating", "outcome", "progress", "doctor"},
+    {
+        "report", "preview", "commands", "comparing", "comparison", "picturing", "simulating", "outcome",
+        "progress", "doctor", "exporting",
+    },
     {"cli"},
 ]
 

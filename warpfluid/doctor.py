@@ -11,15 +11,17 @@ from warpfluid import __version__
 from warpfluid.kernels.launch import thread_count
 
 PACKAGES = ("warp-lang", "numpy", "scipy", "scikit-image", "OpenEXR", "av", "pyvista", "cyclopts", "rich")
-# Where there is no OpenGL library this crashes, so it is tried in a process of its own.
+# Where there is no OpenGL library this crashes, so it is tried in a process of its own. The class says what it drew on.
 DRAW = """
 import vtkmodules.vtkRenderingOpenGL2
 from vtkmodules.vtkRenderingCore import vtkRenderWindow
 window = vtkRenderWindow()
-window.SetOffScreenRendering(1)
+window.SetShowWindow(False)
 window.SetSize(8, 8)
 window.Render()
+print(window.GetClassName())
 """
+SCREENLESS = ("EGL", "OSOpenGL")  # in the names of classes that draw in memory
 PATIENCE = 30  # s
 
 
@@ -31,7 +33,7 @@ def examine() -> dict:
         "threads": thread_count(),
         "kernels": _kernel_cache(),
         "video": {"write": _has_codec("libx264", "w"), "read": _has_codec("h264", "r")},
-        "windows": _can_draw(),
+        "windows": drawing() != "nothing",
     }
 
 
@@ -48,7 +50,11 @@ def lines(found: dict) -> list[str]:
         f"video        reads H.264: {_yes(video['read'])}, writes it: {_yes(video['write'])}"
         + ("" if all(video.values()) else "; install av from PyPI, its wheels have both"),
         f"windows      {_yes(found['windows'])}"
-        + ("" if found["windows"] else "; warpfluid draws without them; scripts that open pyvista need libgl1 or Mesa"),
+        + (
+            ""
+            if found["windows"]
+            else "; warpfluid draws without them; that of `preview` needs libegl1, libgl1-mesa-dri"
+        ),
     ]
 
 
@@ -98,13 +104,16 @@ def _has_codec(name: str, mode: str) -> bool:
         return False
 
 
-def _can_draw() -> bool:
-    """Return whether pyvista can draw here."""
+def drawing() -> str:
+    """Return what pyvista can draw on here: a ``screen``, ``memory`` alone, or ``nothing``."""
+    command = [sys.executable, "-c", DRAW]
     try:
-        found = subprocess.run([sys.executable, "-c", DRAW], capture_output=True, timeout=PATIENCE, check=False)
+        found = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
     except (OSError, subprocess.TimeoutExpired):
-        return False
-    return found.returncode == 0
+        return "nothing"
+    if found.returncode != 0:
+        return "nothing"
+    return "memory" if any(name in found.stdout for name in SCREENLESS) else "screen"
 
 
 def _yes(flag: bool) -> str:

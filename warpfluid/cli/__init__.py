@@ -1,6 +1,19 @@
 """The command line, a file for each command."""
 
-from warpfluid.cli import compare, demo, doctor, export, flow, inspect, reconstruct, simulate
+from warpfluid.cli import compare, demo, doctor, export, flow, inspect, preview, reconstruct, render, simulate
 from warpfluid.cli.app import app, main
 
-__all__ = ["app", "compare", "demo", "doctor", "export", "flow", "inspect", "main", "reconstruct", "simulate"]
+__all__ = [
+    "app",
+    "compare",
+    "demo",
+    "doctor",
+    "export",
+    "flow",
+    "inspect",
+    "main",
+    "preview",
+    "reconstruct",
+    "render",
+    "simulate",
+]

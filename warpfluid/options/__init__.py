@@ -2,6 +2,7 @@
 
 from warpfluid.options.checks import RANGES, check_options
 from warpfluid.options.compare import CompareOptions
+from warpfluid.options.preview import PreviewOptions
 from warpfluid.options.reconstruct import (
     BRIGHT_FLAME,
     PAPER,
@@ -36,6 +37,7 @@ __all__ = [
     "LightOptions",
     "ObstacleOptions",
     "OutputOptions",
+    "PreviewOptions",
     "ReconstructOptions",
     "RenderOptions",
     "Scene",

@@ -16,6 +16,11 @@ RANGES = {
     "lsm_steps": (1, 1000),
     "blur": (0, 20),
     "input_weight": (0, 1e6),
+    "sad_weight": (0, 1e4),
+    "mutations": (1, 10**11),
+    "chains": (1, 10**6),
+    "quantum": (1e-3, 255),
+    "convex_steps": (1, 10**5),
     "balance": (0, 100),
     "balance_power": (0, 1),
     "fade": (0, 1),
@@ -31,6 +36,7 @@ RANGES = {
     "black_level": (0, 254),
     "voxel_size": (1e-9, 1e9),
     "drop_below": (0, 1),
+    "density_scale": (1e-12, 1e12),
     # compare
     "measured_frames": (1, 1000),
     "start_angle": (-360, 360),
@@ -116,6 +122,8 @@ RANGES = {
     "motion_blur": (0, 1),
     "blur_samples": (2, 64),
     "error": (1e-5, 0.1),
+    # preview
+    "html_size": (0.2, 2000),
 }
 
 # Options of three numbers, x,y,z.

@@ -1,0 +1,1 @@
+"""Looking at volumes: a page for the browser, a window, and the still picture where neither will do."""

@@ -1,0 +1,51 @@
+#version 300 es
+// Adds up light along parallel rays. Samples lie on the voxel planes that a ray crosses fastest, so that a view along
+// the floor is Joseph's projection: the ray sum of the reconstruction, up to interpolation.
+precision highp float;
+precision highp sampler3D;
+
+uniform sampler3D density;   // axes (y, z, x), as it lies in memory
+uniform sampler2D ramp;
+uniform vec3 low, high;      // corners of the stored part, from the middle of the box (x, y, z) [voxel of the run]
+uniform vec3 cells;          // its voxels (x, y, z)
+uniform vec3 right, up, forward;
+uniform vec2 middle;         // of the picture [pixel]
+uniform float scale;         // pixels a voxel
+uniform float peak;          // grey levels of the number 1 in the texture
+uniform float gain;          // exposure: what a ray sum is multiplied with, 1 shows 255 as white
+uniform float absorption;    // optical depth of a ray whose sum is 255; 0 for light alone
+uniform vec3 background;
+out vec4 colour;
+
+void main() {
+  vec2 at = (gl_FragCoord.xy - middle) / scale;
+  vec3 start = at.x * right + at.y * up;
+  vec3 edge = (high - low) / cells;
+  vec3 ahead = mix(forward, vec3(1e-6), lessThan(abs(forward), vec3(1e-6)));
+  vec3 a = (low - start) / ahead, b = (high - start) / ahead;
+  float enter = max(max(min(a.x, b.x), min(a.y, b.y)), min(a.z, b.z));
+  float leave = min(min(max(a.x, b.x), max(a.y, b.y)), max(a.z, b.z));
+
+  vec3 speed = ahead / edge, quick = abs(speed);
+  vec3 axis = quick.x >= quick.y && quick.x >= quick.z ? vec3(1, 0, 0) : quick.y >= quick.z ? vec3(0, 1, 0) : vec3(0, 0, 1);
+  float rate = dot(speed, axis), plane = dot((start - low) / edge - 0.5, axis);
+  float from = plane + rate * enter, to = plane + rate * leave;
+  float way = sign(rate), first = way > 0.0 ? ceil(from) : floor(from);
+  int planes = enter < leave ? int(floor((to - first) * way)) + 1 : 0;
+
+  float spacing = 1.0 / abs(rate), sum = 0.0, clear = 1.0;
+  vec3 place = ((start - low) + ahead * ((first - plane) / rate)) / (high - low);
+  vec3 stride = ahead * spacing / (high - low);
+  for (int i = 0; i < planes; ++i) {
+    float light = texture(density, place.yzx).r * peak * spacing;
+    float depth = light * absorption / 255.0;
+    sum += clear * light * (depth > 1e-3 ? (1.0 - exp(-depth)) / depth : 1.0 - 0.5 * depth);
+    clear *= exp(-depth);
+    if (clear < 1e-3) break;
+    place += stride;
+  }
+  float level = clamp(sum * gain / 255.0, 0.0, 1.0);
+  float entries = float(textureSize(ramp, 0).x);
+  vec3 seen = texture(ramp, vec2((floor(level * (entries - 1.0) + 0.5) + 0.5) / entries, 0.5)).rgb;
+  colour = vec4(seen + clear * background, 1.0);
+}
