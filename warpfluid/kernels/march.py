@@ -8,11 +8,10 @@ import warp as wp
 from warpfluid.kernels import checks
 from warpfluid.kernels.bricks import BRICK
 from warpfluid.kernels.launch import launch
-from warpfluid.kernels.ray import CAMERA, DARK, ERRORS, GEOMETRY, HALF_WAY, MEET, MOST_SUNS, PASS, PLACE
+from warpfluid.kernels.ray import CAMERA, DARK, ERRORS, GEOMETRY, HALF_WAY, HALVE, MEET, MOST_SUNS, PASS, PLACE
 
 wp.set_module_options({"enable_backward": False})
 
-FINEST = 1 / 16  # of the distance between two planes
 OPAQUE = 1 / 16  # of the tolerance: less than this of the light behind is not followed
 
 MARCH = (
@@ -21,42 +20,33 @@ MARCH = (
     + MEET
     + PASS
     + ERRORS
+    + HALVE
     + HALF_WAY
     + DARK
     + f"""
     Sample start = near > nearest ? Sample{{from}} : meet(from);
+    int known = 0;
     for (double q = from; near < far && way * (to - q) > 0.0;) {{
         const double plane = way > 0 ? wp::floor(q) : wp::ceil(q);
-        const int skipped = dark(q);
-        q = plane + way * wp::max(skipped, 1);
-        if (way * (to - q) < 0.0) q = to;
-        if (skipped) {{
-            start = {{q}};
+        if (--known < 0 && dark(q, known)) {{
+            q = plane + way * known;
+            start = {{way * (to - q) < 0.0 ? to : q}};
+            known = 0;
             mark(q);
             continue;
         }}
-        if (open < {OPAQUE} * scene.error && scene.density_field < 0) break;
-        Sample ends[6] = {{meet(q)}};
-        density_sum += 0.5f * length * (float)wp::abs(q - start.q) * (start.density + ends[0].density);
-        for (int top = 0; top >= 0;) {{
-            const float most = wp::max(seen[0], wp::max(seen[1], seen[2])), bound = scene.error * wp::max(1.0f, most);
-            const Sample end = ends[top];
-            const bool fine = !scene.adapt || wp::abs(end.q - start.q) <= {FINEST} || open < {OPAQUE} * scene.error;
-            if (!fine && may_err(start, end) > bound) {{
-                ends[top + 1] = meet(0.5 * (start.q + end.q));
-                if (does_err(start, ends[top + 1], end) > bound) {{
-                    ++top;
-                    continue;
-                }}
-                pass(start, ends[top + 1]);
-                start = ends[top + 1];
-                mark(start.q);
-            }}
+        q = plane + way;
+        if (way * (to - q) < 0.0) q = to;
+        const bool opaque = open < {OPAQUE} * scene.error;
+        if (opaque && scene.density_field < 0) break;
+        const Sample end = meet(q);
+        density_sum += 0.5f * length * (float)wp::abs(q - start.q) * (start.density + end.density);
+        if (scene.adapt && !opaque && may_err(start, end) > bound())
+            halve(start, end);
+        else
             pass(start, end);
-            start = end;
-            mark(end.q);
-            --top;
-        }}
+        mark(q);
+        start = end;
     }}
     const size_t pixel = (size_t)row * width + column;
     for (int c = 0; c < 3; ++c) {{
@@ -80,8 +70,8 @@ class Scene:
         field_count: How many of them differ.
         density_field: Which of them is summed up unattenuated; -1 for none.
         extinction: Entries of the curve [1/voxel], shape (n, 1); none for no extinction.
-        emission: Light given off [1/voxel], shape (n, 1 or 3), or none.
-        albedo: Share of the lost light that is scattered, shape (n, 1 or 3), or none.
+        emission: Light given off [1/voxel], shape (n, 3), or none.
+        albedo: Share of the lost light that is scattered, shape (n, 3), or none.
         reads: Which field each of the three curves reads.
         times: Which field multiplies it, or -1.
         per_entry: Entries a unit of the field.
@@ -182,8 +172,9 @@ def _check(scene: Scene, color: wp.array, emission: wp.array, sums: wp.array) ->
     checks.shape(tuple(-(-n // BRICK) for n in scene.f0.shape), bricks=scene.bricks)
     _check_light(light, scene.f0.shape, color.shape)
     for name, curve in curves.items():
-        if curve.shape[0] < 1 or curve.shape[1] not in (1, 3):
-            raise ValueError(f"{name} has shape {curve.shape}, expected (n, 1) or (n, 3)")
+        channels = 1 if name.endswith("extinction") else 3
+        if curve.shape[0] < 1 or curve.shape[1] != channels:
+            raise ValueError(f"{name} has shape {curve.shape}, expected (n, {channels})")
     return device
 
 

@@ -12,6 +12,7 @@ from warpfluid.kernels.bricks import BRICK
 CAMERA = 16  # numbers: eye, right, up, forward (x, z, y each), pixel, shift right, shift up, perspective
 EXTINCTION, EMISSION, ALBEDO = range(3)
 MOST_SUNS = 8
+FINEST = 1 / 16  # of the distance between two planes
 
 # The ray: `origin`, `toward` (depth 1 along forward), `main` axis and how the others run with it, `from` and `to`.
 GEOMETRY = """
@@ -43,49 +44,56 @@ GEOMETRY = """
     if (near > nearest) from = way > 0 ? wp::floor(from) : wp::ceil(from);
     if (far < farthest) to = way > 0 ? wp::ceil(to) : wp::floor(to);
     const size_t strides[3] = {(size_t)size[1] * size[2], (size_t)size[2], 1};
+    const size_t stride_d = strides[d], stride_a = strides[a], stride_b = strides[b];
+    const int size_d = size[d], size_a = size[a], size_b = size[b];
 """
 
-# Defines `place(q)`: the taps and weights at coordinate q of the main axis; 0 is read beyond the box.
+# Defines `place(q)`: taps and weights at coordinate q of the main axis, on one plane or two; 0 is read beyond the box,
+# and the nearest voxel of what `around` reads.
 PLACE = """
-    struct Place { int taps; size_t at[8]; float weight[8], clamped[8]; };
-    struct Axis { int low, high; float share, first, second; };
-    const auto axis_at = [](double p, int n) {
+    struct Axis { size_t low, high; float share, first, second; };
+    struct Place { Axis along; size_t at[4]; float weight[4], clamped[4]; };
+    const auto axis_at = [](double p, int n, size_t stride) {
         const int i = (int)(p + 4.0) - 4;
         const float share = (float)(p - i);
-        if (i >= 0 && i + 1 < n) return Axis{i, i + 1, share, 1.0f - share, share};
-        const int low = wp::clamp(i, 0, n - 1), high = wp::clamp(i + 1, 0, n - 1);
+        if (i >= 0 && i + 1 < n) return Axis{i * stride, (i + 1) * stride, share, 1.0f - share, share};
+        const size_t low = wp::clamp(i, 0, n - 1) * stride, high = wp::clamp(i + 1, 0, n - 1) * stride;
         return Axis{low, high, share, i >= 0 && i < n ? 1.0f - share : 0.0f, i >= -1 && i + 1 < n ? share : 0.0f};
     };
     const auto place = [&](double q) {
-        Place found;
-        const Axis along = axis_at(q, size[d]), one = axis_at(base_a + q * slope_a, size[a]);
-        const Axis two = axis_at(base_b + q * slope_b, size[b]);
-        found.taps = along.share > 0.0f ? 8 : 4;
-        for (int i = 0; i < found.taps; ++i) {
-            found.at[i] = (i & 4 ? along.high : along.low) * strides[d] + (i & 2 ? one.high : one.low) * strides[a]
-                + (i & 1 ? two.high : two.low) * strides[b];
-            found.weight[i] = (i & 4 ? along.second : along.first) * (i & 2 ? one.second : one.first)
-                * (i & 1 ? two.second : two.first);
-            found.clamped[i] = (i & 4 ? along.share : 1.0f - along.share)
-                * (i & 2 ? one.share : 1.0f - one.share) * (i & 1 ? two.share : 1.0f - two.share);
-        }
-        return found;
+        const Axis one = axis_at(base_a + q * slope_a, size_a, stride_a);
+        const Axis two = axis_at(base_b + q * slope_b, size_b, stride_b);
+        const float s = one.share, t = two.share;
+        return Place{
+            axis_at(q, size_d, stride_d),
+            {one.low + two.low, one.low + two.high, one.high + two.low, one.high + two.high},
+            {one.first * two.first, one.first * two.second, one.second * two.first, one.second * two.second},
+            {(1.0f - s) * (1.0f - t), (1.0f - s) * t, s * (1.0f - t), s * t}};
     };
-    const auto read = [](const float* data, const Place& here) {
-        float sum = 0.0f;
-        for (int i = 0; i < 4; ++i) sum += here.weight[i] * data[here.at[i]];
-        for (int i = 4; i < here.taps; ++i) sum += here.weight[i] * data[here.at[i]];
-        return sum;
+    const auto on_plane = [](const float* data, int step, size_t plane, const Place& here, const float* weight) {
+        const float* from_plane = data + step * plane;
+        return weight[0] * from_plane[step * here.at[0]] + weight[1] * from_plane[step * here.at[1]]
+            + weight[2] * from_plane[step * here.at[2]] + weight[3] * from_plane[step * here.at[3]];
+    };
+    const auto read = [&](const float* data, const Place& here) {
+        const float first = here.along.first * on_plane(data, 1, here.along.low, here, here.weight);
+        if (here.along.share == 0.0f) return first;
+        return first + here.along.second * on_plane(data, 1, here.along.high, here, here.weight);
+    };
+    const auto around = [&](const float* data, int step, const Place& here) {
+        const float first = on_plane(data, step, here.along.low, here, here.clamped);
+        if (here.along.share == 0.0f) return first;
+        return first + here.along.share * (on_plane(data, step, here.along.high, here, here.clamped) - first);
     };
 """
 
 # Defines `meet(q)`: what the medium does at a place: extinction, light given off, light given off or scattered.
 MEET = f"""
     struct Sample {{ double q; float density, extinction, emission[3], light[3]; }};
-    const float* fields[4] = {{scene.f0.data, scene.f1.data, scene.f2.data, scene.f3.data}};
     float sun[3 * {MOST_SUNS}];
     const int suns = scene.shadows.data ? scene.shadows.shape[0] : 0;
     const double g = scene.anisotropy;
+    const size_t voxels = (size_t)size[0] * size[1] * size[2];
     for (int k = 0; k < suns; ++k) {{
         const float* to_sun = scene.suns.data + 6 * k;
         const double cosine = (to_sun[0] * toward[0] + to_sun[1] * toward[1] + to_sun[2] * toward[2])
@@ -94,20 +102,20 @@ MEET = f"""
         const double phase = (1.0 - g * g) / (12.566370614359172 * base * wp::sqrt(base));
         for (int c = 0; c < 3; ++c) sun[3 * k + c] = (float)(to_sun[3 + c] * phase);
     }}
-    const auto curve = [&](int which, const wp::array_t<float>& entries, const float* values, float* out) {{
-        const int last = entries.shape[0] - 1, channels = entries.shape[1], times = scene.times[which];
-        const float at = wp::clamp(values[scene.reads[which]] * scene.per_entry[which], 0.0f, (float)last);
-        const int low = wp::min((int)at, wp::max(last - 1, 0)), high = wp::min(low + 1, last);
-        const float share = at - low, factor = times < 0 ? 1.0f : wp::max(values[times], 0.0f);
-        for (int c = 0; c < channels; ++c) {{
-            const float first = entries.data[low * channels + c], second = entries.data[high * channels + c];
-            out[c] = factor * (first + share * (second - first));
-        }}
-        if (channels == 1) out[2] = out[1] = out[0];
+    struct Entry {{ int low, high; float share, factor; }};
+    const auto entry = [&](int which, int count, const float* values) {{
+        const float at = wp::clamp(values[scene.reads[which]] * scene.per_entry[which], 0.0f, (float)(count - 1));
+        const int low = (int)at, times = scene.times[which];
+        return Entry{{low, wp::min(low + 1, count - 1), at - low, times < 0 ? 1.0f : wp::max(values[times], 0.0f)}};
+    }};
+    const auto colour = [&](int which, const wp::array_t<float>& entries, const float* values, float* out) {{
+        const Entry e = entry(which, entries.shape[0], values);
+        const float *low = entries.data + 3 * e.low, *high = entries.data + 3 * e.high;
+        for (int c = 0; c < 3; ++c) out[c] = e.factor * (low[c] + e.share * (high[c] - low[c]));
     }};
     const auto fade_at = [&](double q) {{
         const double at[3] = {{q, base_a + q * slope_a, base_b + q * slope_b}};
-        const int sizes[3] = {{size[d], size[a], size[b]}};
+        const int sizes[3] = {{size_d, size_a, size_b}};
         float product = 1.0f;
         for (int i = 0; i < 3; ++i) {{
             const double inside = wp::min(at[i] + 0.5, sizes[i] - 0.5 - at[i]);
@@ -118,31 +126,32 @@ MEET = f"""
     }};
     const auto scatter = [&](const Place& here, const float* values, Sample& found) {{
         float albedo[3], arriving[3] = {{}};
-        curve({ALBEDO}, scene.albedo, values, albedo);
-        for (int i = 0; i < here.taps; ++i) {{
-            for (int c = 0; c < 3 && scene.ambient.data; ++c)
-                arriving[c] += here.clamped[i] * scene.ambient.data[here.at[i]][c];
-            for (int k = 0; k < suns; ++k) {{
-                const float open = here.clamped[i] * scene.shadows.data[k * strides[0] * size[0] + here.at[i]];
-                for (int c = 0; c < 3; ++c) arriving[c] += open * sun[3 * k + c];
-            }}
+        colour({ALBEDO}, scene.albedo, values, albedo);
+        if (scene.ambient.data)
+            for (int c = 0; c < 3; ++c) arriving[c] = around((const float*)scene.ambient.data + c, 3, here);
+        for (int k = 0; k < suns; ++k) {{
+            const float open = around(scene.shadows.data + k * voxels, 1, here);
+            for (int c = 0; c < 3; ++c) arriving[c] += open * sun[3 * k + c];
         }}
         for (int c = 0; c < 3; ++c) found.light[c] += found.extinction * albedo[c] * arriving[c];
     }};
     const auto meet = [&](double q) {{
         Sample found = {{q}};
         const Place here = place(q);
-        float values[4], out[3];
-        for (int i = 0; i < scene.field_count; ++i) values[i] = read(fields[i], here);
+        float values[4] = {{read(scene.f0.data, here)}};
+        if (scene.field_count > 1) values[1] = read(scene.f1.data, here);
+        if (scene.field_count > 2) values[2] = read(scene.f2.data, here);
+        if (scene.field_count > 3) values[3] = read(scene.f3.data, here);
         if (scene.density_field >= 0) found.density = values[scene.density_field];
         const float fade = scene.edge_fade > 0.0f ? fade_at(q) : 1.0f;
         if (scene.extinction.data) {{
-            curve({EXTINCTION}, scene.extinction, values, out);
-            found.extinction = fade * out[0];
+            const Entry e = entry({EXTINCTION}, scene.extinction.shape[0], values);
+            const float low = scene.extinction.data[e.low], high = scene.extinction.data[e.high];
+            found.extinction = fade * e.factor * (low + e.share * (high - low));
         }}
         if (scene.emission.data) {{
-            curve({EMISSION}, scene.emission, values, out);
-            for (int c = 0; c < 3; ++c) found.light[c] = found.emission[c] = fade * out[c];
+            colour({EMISSION}, scene.emission, values, found.emission);
+            for (int c = 0; c < 3; ++c) found.light[c] = found.emission[c] *= fade;
         }}
         if (scene.albedo.data && found.extinction > 0.0f) scatter(here, values, found);
         return found;
@@ -191,6 +200,26 @@ ERRORS = """
     };
 """
 
+# Defines `bound()` and `halve(start, end)`: passes an interval in as many parts as keep the error within the bound.
+HALVE = f"""
+    const auto bound = [&]() {{
+        return scene.error * wp::max(1.0f, wp::max(seen[0], wp::max(seen[1], seen[2])));
+    }};
+    const auto halve = [&](Sample start, const Sample& end) {{
+        Sample ends[6] = {{end}};
+        for (int top = 0; top >= 0; --top) {{
+            while (wp::abs(ends[top].q - start.q) > {FINEST} && may_err(start, ends[top]) > bound()) {{
+                const Sample middle = meet(0.5 * (start.q + ends[top].q));
+                const float error = does_err(start, middle, ends[top]);
+                ends[++top] = middle;
+                if (error <= bound()) break;
+            }}
+            pass(start, ends[top]);
+            start = ends[top];
+        }}
+    }};
+"""
+
 # Defines `mark(q)` and `half_way()`: where the ray's opacity and light are half of what they come to.
 HALF_WAY = """
     enum { BINS = 64 };
@@ -219,10 +248,11 @@ HALF_WAY = """
     };
 """
 
-# Defines `dark(q)`: how many planes ahead there is nothing to meet; 0 where there may be something.
+# Defines `dark(q, planes)`: whether there is nothing to meet, and for how many planes on that is known.
 DARK = f"""
-    const auto dark = [&](double q) {{
-        const double p[3] = {{q, base_a + q * slope_a, base_b + q * slope_b}}, run[3] = {{0.0, slope_a, slope_b}};
+    const auto dark = [&](double q, int& planes) {{
+        const double p[3] = {{q, base_a + q * slope_a, base_b + q * slope_b}};
+        const double pace[3] = {{1.0 * way, way * slope_a, way * slope_b}};
         const int axes[3] = {{d, a, b}}, cell = (int)(way > 0 ? wp::floor(q) : wp::ceil(q) - 1);
         int at[3];
         float ahead = 1e6f;
@@ -230,16 +260,11 @@ DARK = f"""
             const int last = scene.bricks.shape[axes[i]] - 1;
             const int brick = wp::clamp((i ? (int)(p[i] + 8.0) - 8 : cell) >> {BRICK.bit_length() - 1}, 0, last);
             at[axes[i]] = brick;
-            const double pace = way * run[i];
-            if (i == 0) {{
-                if (way > 0 ? brick < last : brick > 0)
-                    ahead = (float)(way > 0 ? {BRICK} * (brick + 1) - cell : cell - {BRICK} * brick + 1);
-            }} else if (pace > 0.0 && brick < last)
-                ahead = wp::min(ahead, (float)(({BRICK} * (brick + 1) - p[i]) / pace));
-            else if (pace < 0.0 && brick > 0)
-                ahead = wp::min(ahead, (float)(({BRICK} * brick - p[i]) / pace));
+            if (pace[i] > 0.0 ? brick == last : pace[i] < 0.0 ? brick == 0 : true) continue;
+            const double end = {BRICK} * (brick + (pace[i] > 0.0 ? 1 : 0));
+            ahead = wp::min(ahead, i ? (float)((end - p[i]) / pace[i]) : (float)wp::abs(end - cell - (way < 0)));
         }}
-        if (scene.bricks.data[(at[0] * scene.bricks.shape[1] + at[1]) * scene.bricks.shape[2] + at[2]]) return 0;
-        return wp::max((int)ahead, 1);
+        planes = wp::max((int)ahead, 1);
+        return !scene.bricks.data[(at[0] * scene.bricks.shape[1] + at[1]) * scene.bricks.shape[2] + at[2]];
     }};
 """

@@ -78,7 +78,8 @@ def _set_medium(scene: Scene, medium: Medium, density: bool, device: wp.Device) 
     for name, curve in zip(CURVES, curves, strict=True):
         if curve:
             entries = curve.values.reshape(len(curve.values), -1)
-            setattr(scene, name, wp.array(entries, dtype=float, device=device))
+            entries = entries if name == "extinction" else np.broadcast_to(entries, (len(entries), 3))
+            setattr(scene, name, wp.array(np.ascontiguousarray(entries), dtype=float, device=device))
     scene.reads = wp.vec3i([names.index(curve.field) if curve else 0 for curve in curves])
     scene.times = wp.vec3i([names.index(curve.times) if curve and curve.times else -1 for curve in curves])
     scene.per_entry = wp.vec3([(len(curve.values) - 1) / curve.top if curve else 0.0 for curve in curves])
