@@ -24,8 +24,9 @@ from scipy.ndimage import zoom
 from warpfluid.device import pick_device
 from warpfluid.options import OutputOptions, SimulateOptions
 from warpfluid.options.scene import THINGS, Scene, parse_thing
-from warpfluid.rendering.bodies import DrawnBody, render_with_bodies
 from warpfluid.rendering.ramps import apply_ramp
+from warpfluid.rendering.surfaces import Surface
+from warpfluid.rendering.turntable import render_turntable
 from warpfluid.simulation.animate import Animator
 from warpfluid.simulation.animation import Animation
 from warpfluid.simulation.source import Source, open_source
@@ -126,16 +127,16 @@ ORANGE = (0.95, 0.5, 0.15)
 CORNERS = np.array([part for a, b, c, d in SIDES for part in ((a, b, c), (a, c, d))])
 
 
-def with_boxes(animator: Animator, boxes: list[DrawnBody]) -> np.ndarray:
+def with_boxes(animator: Animator, boxes: list[Surface]) -> np.ndarray:
     """Return the fluid with boxes in it."""
-    small = render_with_bodies(animator.state.density.numpy(), boxes, 0.0, "smoke")
+    small = render_turntable(animator.state.density.numpy(), [0.0], "smoke", surfaces=boxes)[0]
     return cut(zoom(small, (ZOOM / 2, ZOOM / 2, 1), order=1, mode="nearest", grid_mode=True))
 
 
-def box_at(animator: Animator, centre, size, rotation=None) -> DrawnBody:
+def box_at(animator: Animator, centre, size, rotation=None) -> Surface:
     """Return a box whose centre is in voxels and whose size is in tenths of the height."""
     turned = CUBE * np.multiply(size, animator.placing.unit) @ (np.eye(3) if rotation is None else rotation).T
-    return DrawnBody(turned + centre, CORNERS, ORANGE)
+    return Surface(turned + centre, CORNERS, ORANGE)
 
 
 row = {}

@@ -35,7 +35,7 @@ def test_white_furnace(cloud, extinction, device):
     """In uniform light, what absorbs nothing is lit as if it were not there, however thick."""
     inner = light_volume(medium_of(cloud, extinction, device=device), Lighting((), uniform((1, 2, 3))))
     assert inner.ambient.shape == SHAPE
-    hidden = zoom(inner.open.numpy(), 2, order=0)[: SHAPE[0], : SHAPE[1], : SHAPE[2]] < 1e-25
+    hidden = zoom(inner.light.numpy()[3], 2, order=0)[: SHAPE[0], : SHAPE[1], : SHAPE[2]] < 1e-25
     assert hidden.mean() < 0.05
     shown = inner.ambient.numpy()[~hidden]
     np.testing.assert_allclose(shown, np.broadcast_to([1, 2, 3], shown.shape), rtol=1e-4)

@@ -30,7 +30,9 @@ class Stage:
         sun_directions: To each sun, unit vectors, shape (sun,).
         sun_colors: Irradiance, shape (sun,).
         shadows: Transmittance of the volume to each sun, shape (sun, x, z, y).
-        open: Share of the sky that is open within the volume, on a coarse lattice, shape (x, z, y).
+        ambient: Mean radiance within the volume, shape (x, z, y).
+        light: The part of it that was not scattered, and the share of the sky that is open, on a coarse lattice,
+            shape (4, x, z, y).
         factor: Voxels along an edge of one of that lattice.
         sky: Harmonics of the irradiance from the sky, shape (9,).
         fires: Where fire is, and half the width of what each stands for, shape (fire,).
@@ -45,7 +47,8 @@ class Stage:
     sun_directions: wp.array[wp.vec3]
     sun_colors: wp.array[wp.vec3]
     shadows: wp.array4d[float]
-    open: wp.array3d[float]
+    ambient: wp.array3d[wp.vec3]
+    light: wp.array4d[float]
     factor: int
     sky: wp.array[wp.vec3]
     fires: wp.array[wp.vec4]
@@ -122,17 +125,50 @@ def through_volume(shadow: wp.array3d[float], at: wp.vec3, towards: wp.vec3) -> 
 
 
 @wp.func
-def open_sky(stage: Stage, at: wp.vec3) -> float:
-    """Return how much of the sky the volume leaves; far from the box all of it."""
-    factor = float(stage.factor)
-    size = factor * wp.vec3(float(stage.open.shape[0]), float(stage.open.shape[2]), float(stage.open.shape[1]))
+def from_sky(sky: wp.array[wp.vec3], n: wp.vec3) -> wp.vec3:
+    """Return the irradiance from the sky; the functions are those of ``rendering/harmonics.py``."""
+    total = 0.28209479 * sky[0] + 0.48860251 * (n[1] * sky[1] + n[2] * sky[2] + n[0] * sky[3])
+    total += 1.09254843 * (n[0] * n[1] * sky[4] + n[1] * n[2] * sky[5] + n[0] * n[2] * sky[7])
+    total += 0.31539157 * (3.0 * n[2] * n[2] - 1.0) * sky[6] + 0.54627422 * (n[0] * n[0] - n[1] * n[1]) * sky[8]
+    return wp.max(total, wp.vec3())
+
+
+@wp.func
+def scattered_light(stage: Stage, at: wp.vec3, coarse: wp.vec3) -> wp.vec3:
+    """Return the radiance within the volume that has been scattered."""
+    total = wp.vec3()
+    size = wp.vec3i(stage.ambient.shape[0], stage.ambient.shape[2], stage.ambient.shape[1])
+    low = wp.vec3i()
+    share = wp.vec3()
+    for i in range(3):
+        inside = wp.clamp(at[i], 0.0, float(size[i] - 1))
+        low[i] = wp.min(int(inside), wp.max(size[i] - 2, 0))
+        share[i] = inside - float(low[i])
+    for corner in range(8):
+        weight = float(1.0)
+        place = wp.vec3i()
+        for i in range(3):
+            bit = (corner >> i) & 1
+            place[i] = wp.min(low[i] + bit, size[i] - 1)
+            weight *= wp.where(bit == 1, share[i], 1.0 - share[i])
+        total += weight * stage.ambient[place[0], place[2], place[1]]
+    for channel in range(3):
+        total[channel] = wp.max(total[channel] - trilinear(stage.light[channel], coarse), 0.0)
+    return total
+
+
+@wp.func
+def from_around(stage: Stage, at: wp.vec3, normal: wp.vec3) -> wp.vec3:
+    """Return the irradiance from the sky through the volume and from the volume; far from the box only the former."""
+    size = wp.vec3(float(stage.ambient.shape[0]), float(stage.ambient.shape[2]), float(stage.ambient.shape[1]))
     beyond = wp.vec3()
     for i in range(3):
         beyond[i] = wp.max(wp.max(-0.5 - at[i], at[i] - size[i] + 0.5), 0.0)
-    place = (wp.vec3(at[0], at[2], at[1]) + wp.vec3(0.5, 0.5, 0.5)) / factor - wp.vec3(0.5, 0.5, 0.5)
-    within = trilinear(stage.open, place)
-    share = wp.clamp(2.0 * wp.length(beyond) / wp.max(size), 0.0, 1.0)
-    return wp.lerp(within, 1.0, share * share * (3.0 - 2.0 * share))
+    coarse = (wp.vec3(at[0], at[2], at[1]) + wp.vec3(0.5, 0.5, 0.5)) / float(stage.factor) - wp.vec3(0.5, 0.5, 0.5)
+    far = wp.clamp(2.0 * wp.length(beyond) / wp.max(size), 0.0, 1.0)
+    far = far * far * (3.0 - 2.0 * far)
+    open = wp.lerp(trilinear(stage.light[3], coarse), 1.0, far)
+    return open * from_sky(stage.sky, normal) + (1.0 - far) * wp.pi * scattered_light(stage, at, coarse)
 
 
 @wp.func
@@ -156,19 +192,10 @@ def unhidden_sky(stage: Stage, at: wp.vec3, normal: wp.vec3, turn: float) -> flo
 
 
 @wp.func
-def from_sky(sky: wp.array[wp.vec3], n: wp.vec3) -> wp.vec3:
-    """Return the irradiance from the sky; the functions are those of ``rendering/harmonics.py``."""
-    total = 0.28209479 * sky[0] + 0.48860251 * (n[1] * sky[1] + n[2] * sky[2] + n[0] * sky[3])
-    total += 1.09254843 * (n[0] * n[1] * sky[4] + n[1] * n[2] * sky[5] + n[0] * n[2] * sky[7])
-    total += 0.31539157 * (3.0 * n[2] * n[2] - 1.0) * sky[6] + 0.54627422 * (n[0] * n[0] - n[1] * n[1]) * sky[8]
-    return wp.max(total, wp.vec3())
-
-
-@wp.func
 def shade(stage: Stage, at: wp.vec3, hit: Hit, turn: float) -> wp.vec3:
     """Return the light that a matt surface reflects."""
     above = at + NEAR * hit.flat
-    light = unhidden_sky(stage, above, hit.flat, turn) * open_sky(stage, above) * from_sky(stage.sky, hit.normal)
+    light = unhidden_sky(stage, above, hit.flat, turn) * from_around(stage, above, hit.normal)
     for k in range(stage.sun_directions.shape[0]):
         towards = stage.sun_directions[k]
         cosine = wp.dot(towards, hit.normal)

@@ -44,7 +44,7 @@ def find_fires(medium: Medium, inner: InnerLight | None = None) -> Fires:
     factor = inner.factor if inner else 2
     glow = _glow(medium, medium.emission, factor) * factor**3
     if inner:
-        glow *= inner.open.numpy()
+        glow *= inner.light.numpy()[3]
     step = -(-max(glow.shape[1:]) // CELLS)
     lamps, middles = _gather(glow, step)
     brightness = lamps.sum(axis=1)

@@ -33,13 +33,14 @@ class InnerLight:
     Attributes:
         shadows: Transmittance to each sun, shape (sun, x, z, y).
         ambient: Mean incoming radiance but for what comes straight from the suns, vec3, shape (x, z, y).
-        open: Share of all directions that are open, on a lattice ``factor`` times coarser, shape (x, z, y).
+        light: The part of it that was never scattered, red, green and blue, and the share of all directions that are
+            open, on a lattice ``factor`` times coarser, shape (4, x, z, y).
         factor: Voxels along an edge of one of that lattice.
     """
 
     shadows: wp.array
     ambient: wp.array
-    open: wp.array
+    light: wp.array
     factor: int
 
     def for_march(self) -> dict[str, wp.array]:
@@ -76,7 +77,14 @@ def light_volume(medium: Medium, lighting: Lighting, *, fine: bool = False) -> I
         factor=factor,
         top=albedo.top,
     )
-    return InnerLight(shadows, ambient, light[3], factor)
+    return InnerLight(shadows, ambient, light, factor)
+
+
+def empty_inner_light(suns: int, device: wp.Device | str | None) -> InnerLight:
+    """Return the light where there is no volume: a voxel that hides nothing."""
+    light = wp.array(np.array([0, 0, 0, 1]).reshape(4, 1, 1, 1), dtype=float, device=device)
+    shadows = wp.ones((suns, 1, 1, 1), dtype=float, device=device)
+    return InnerLight(shadows, wp.zeros((1, 1, 1), dtype=wp.vec3, device=device), light, 1)
 
 
 def extinction_of(medium: Medium) -> wp.array:

@@ -16,7 +16,7 @@ from warpfluid.rendering.marching import ERROR, march
 from warpfluid.rendering.medium import Medium
 from warpfluid.rendering.normals import corner_normals
 from warpfluid.rendering.picture import Picture
-from warpfluid.rendering.shadows import InnerLight
+from warpfluid.rendering.shadows import InnerLight, empty_inner_light
 
 SAMPLES = 2  # a pixel and axis, so that edges are smooth
 GREY = (0.5, 0.5, 0.52)
@@ -197,10 +197,8 @@ def _set_light(stage: Stage, lighting: Lighting, inner: InnerLight | None, fires
         setattr(stage, name, wp.array(np.reshape(values, (-1, 3)), dtype=wp.vec3, device=device))
     stage.fires = wp.array(fires.places, dtype=wp.vec4, device=device)
     if inner is None:
-        stage.shadows, stage.factor = wp.ones((max(len(suns), 1), 1, 1, 1), dtype=float, device=device), 1
-        stage.open = wp.ones((1, 1, 1), dtype=float, device=device)
-    else:
-        stage.shadows, stage.open, stage.factor = inner.shadows, inner.open.contiguous(), inner.factor
+        inner = empty_inner_light(len(suns), device)
+    stage.shadows, stage.ambient, stage.light, stage.factor = inner.shadows, inner.ambient, inner.light, inner.factor
 
 
 def _vectors(camera: Camera) -> np.ndarray:

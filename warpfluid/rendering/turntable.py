@@ -24,7 +24,7 @@ def turntable_angles(count: int) -> np.ndarray:
 
 
 def render_turntable(
-    volume, angles_deg: Sequence[float], ramp: str = "fire", *, white: float | None = 255.0
+    volume, angles_deg: Sequence[float], ramp: str = "fire", *, white: float | None = 255.0, surfaces: Sequence = ()
 ) -> np.ndarray:
     """Render a volume from every angle, at one exposure.
 
@@ -34,6 +34,7 @@ def render_turntable(
         ramp: Name of a colour ramp.
         white: Ray sum that is the brightest colour; 255 shows a reconstruction as its footage; None takes
             nearly the brightest of all pictures.
+        surfaces: Bodies that stand in it, each a ``Surface``.
 
     Returns:
         Pictures, uint8, shape (angle, rows, columns, 3), twice the volume's size if it is narrower than 256.
@@ -42,7 +43,13 @@ def render_turntable(
         ValueError: If the volume is not 3D, an angle or the ramp is not known, or ``white`` is not positive.
     """
     images = _project(volume, angles_deg)
-    return apply_ramp(_enlarge(images), ramp, _exposure(images) if white is None else white)
+    white = _exposure(images) if white is None else white
+    if not surfaces:
+        return apply_ramp(_enlarge(images), ramp, white)
+    from warpfluid.rendering.laid_in import lay_in
+
+    shots = zip(_enlarge(images), angles_deg, strict=True)
+    return np.stack([lay_in(light, _checked(volume), surfaces, angle, ramp, white) for light, angle in shots])
 
 
 def strip(volume, angles_deg: Sequence[float], ramp: str = "fire", *, white: float | None = 255.0) -> np.ndarray:

@@ -5,10 +5,13 @@ from pathlib import Path
 
 import numpy as np
 
+from warpfluid.rendering.surfaces import Surface
 from warpfluid.rendering.turntable import render_turntable
 from warpfluid.run import Run
+from warpfluid.simulation.outlines import Outlines
 
 TURN_PICTURES = 120
+COLORS = {"body": (0.95, 0.5, 0.15), "obstacle": (0.55, 0.56, 0.58)}
 RATE = 24.0  # of a turn of so many pictures a second
 
 
@@ -28,19 +31,24 @@ def write_film(run: Run, look: str, path: Path, *, scale: float = 1.0) -> None:
 
 
 def film_pictures(run: Run, look: str, count: int, scale: float = 1.0) -> Iterator[np.ndarray]:
-    """Yield at least so many pictures of a turn; frame i % n is seen in picture i."""
+    """Yield at least so many pictures of a turn, with what stands in the run; frame i % n is in picture i."""
     frames = list(run.records())
     count = max(count, len(frames))
     angles = np.arange(count) * 360.0 / count
-    white = 255.0 / scale
+    outlines, white = Outlines(run), 255.0 / scale
+
+    def shoot(frame: int, angles_deg: np.ndarray) -> np.ndarray:
+        volume = run.volume(frame)
+        surfaces = [Surface(o.vertices, o.triangles, COLORS[o.kind]) for o in outlines.at(frame, volume.shape)]
+        return render_turntable(volume, angles_deg, look, white=white, surfaces=surfaces)
+
     if len(frames) == count:
         for frame, angle in zip(frames, angles, strict=True):
-            yield render_turntable(run.volume(frame), [angle], look, white=white)[0]
+            yield shoot(frame, [angle])[0]
         return
     film = {}
     for first, frame in enumerate(frames):
         at = range(first, count, len(frames))
-        pictures = render_turntable(run.volume(frame), angles[first :: len(frames)], look, white=white)
-        film.update(zip(at, pictures, strict=True))
+        film.update(zip(at, shoot(frame, angles[first :: len(frames)]), strict=True))
     for i in range(count):
         yield film[i]

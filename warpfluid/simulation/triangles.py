@@ -96,6 +96,32 @@ def box_surface(size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return corners * np.asarray(size), np.array(triangles, np.int32)
 
 
+def turned_surface(
+    radii: np.ndarray, heights: np.ndarray, ends: tuple[float, float], around: int = 64
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the vertices and triangles of an outline turned about y.
+
+    Args:
+        radii: Of its rings, from the lowest to the highest, shape (r,).
+        heights: Of the rings, shape (r,).
+        ends: Heights of the axis' lowest and highest point.
+        around: Vertices of a ring.
+    """
+    turn = 2 * np.pi * np.arange(around) / around
+    ring = np.stack([np.cos(turn), np.zeros(around), np.sin(turn)], axis=1)
+    rings = radii[:, None, None] * ring + np.multiply.outer(heights, [0.0, 1.0, 0.0])[:, None]
+    poles = np.multiply.outer(ends, [0.0, 1.0, 0.0])
+    low, high, here = len(radii) * around, len(radii) * around + 1, np.arange(around)
+    after = np.roll(here, -1)
+    triangles = [np.stack([np.full(around, low), here, after], axis=1)]
+    for begin in around * np.arange(len(radii) - 1):
+        a, b, c, d = here + begin, after + begin, here + begin + around, after + begin + around
+        triangles += [np.stack([a, c, b], axis=1), np.stack([b, c, d], axis=1)]
+    last = low - around
+    triangles.append(np.stack([np.full(around, high), after + last, here + last], axis=1))
+    return np.concatenate([rings.reshape(-1, 3), poles]), np.concatenate(triangles).astype(np.int32)
+
+
 def _areas(corners: np.ndarray) -> np.ndarray:
     """Return the areas of triangles (m, corner, 3)."""
     return 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
