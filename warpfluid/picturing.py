@@ -16,6 +16,8 @@ from warpfluid.rendering.lamps import Lamps
 from warpfluid.rendering.output import Target
 from warpfluid.rendering.picture import Picture
 from warpfluid.rendering.studio import Studio, make_studio, stand_ins
+from warpfluid.run import Run
+from warpfluid.simulation.outlines import Outlines
 from warpfluid.volumes import VolumeSequence, open_volumes
 
 RATE = 24.0
@@ -46,6 +48,8 @@ class Work:
         camera: Where from.
         studio: Takes the pictures.
         target: Where they go.
+        log: Progress.
+        outlines: What stands in the run, if that is drawn.
         failed: What went wrong, by picture.
         made: What was written, a record each.
     """
@@ -55,6 +59,7 @@ class Work:
     studio: Studio
     target: Target
     log: Progress
+    outlines: Outlines | None = None
     failed: dict[str, str] = field(default_factory=dict)
     made: list[dict] = field(default_factory=list)
 
@@ -63,9 +68,10 @@ class Work:
         lit = self.studio.light(fields, shot.number)
         shape = fields["density"].shape
         size = picture_size(shape, self.studio.options.size())
-        return [
-            self.studio.shoot(lit, camera) for camera in cameras(self.camera, shape, size, shot.number, shot.turned)
-        ]
+        outlines = self.outlines.at(shot.frame, shape) if self.outlines else ()
+        solids = [(outline.vertices, outline.triangles) for outline in outlines]
+        eyes = cameras(self.camera, shape, size, shot.number, shot.turned)
+        return [self.studio.shoot(lit, camera, shot.number, solids) for camera in eyes]
 
 
 def render(
@@ -93,7 +99,9 @@ def render(
     studio = make_studio(options, lamps, volumes.output.look, device)
     shots = make_shots(volumes, options.frames, camera.turntable)
     check_target(target, shots, resume=resume, overwrite=overwrite)
-    work = Work(volumes=volumes, camera=decided(camera, options), studio=studio, target=target, log=log)
+    stands = Outlines(Run(source)) if light.bodies and volumes.document else None
+    facts = {"volumes": volumes, "camera": decided(camera, options), "outlines": stands}
+    work = Work(studio=studio, target=target, log=log, **facts)
     _say(work, shots)
     left = [shot for shot in shots if not (resume and all(file.exists() for file in target.files(shot.number)))]
     if len(left) < len(shots):

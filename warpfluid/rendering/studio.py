@@ -19,9 +19,11 @@ from warpfluid.rendering.medium import Curve, Medium
 from warpfluid.rendering.picture import Picture
 from warpfluid.rendering.ramps import RAMPS, apply_ramp
 from warpfluid.rendering.shadows import InnerLight, light_volume
+from warpfluid.rendering.surfaces import Ground, Surface, render
 
 WHITE = 255.0
 BRIGHTEST = 1e6  # grey level to which the sum is one straight line
+Outline = tuple[np.ndarray, np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -76,21 +78,30 @@ class Studio:
         if self._last and self._last[0] is fields and _alike(self._last[1].lighting, lighting):
             return self._last[1]
         medium = self._medium(fields)
-        scatters = self.options.mode == "lit" and medium.albedo and medium.extinction
-        lit = Lit(medium, lighting, light_volume(medium, lighting) if scatters else None)
+        inner = light_volume(medium, lighting) if self.options.mode == "lit" and medium.extinction else None
+        lit = Lit(medium, lighting, inner)
         self._last[:] = [fields, lit]
         return lit
 
-    def shoot(self, lit: Lit, camera: Camera) -> Picture:
-        """Take a picture."""
-        light = {}
-        if lit.inner:
-            light = {"shadows": lit.inner.shadows, "ambient": lit.inner.ambient, "lighting": lit.lighting}
-        picture = march(lit.medium, camera, error=self.options.error, **light)
+    def shoot(self, lit: Lit, camera: Camera, number: float, outlines: Sequence[Outline] = ()) -> Picture:
+        """Take a picture.
+
+        Args:
+            lit: The frame.
+            camera: Where from.
+            number: Of the picture, by which colours are keyed.
+            outlines: Vertices (x, y, z) and triangles of what stands in the volume; the mode ``sum`` ignores it.
+        """
         if self.look is None:
+            picture = march(lit.medium, camera, error=self.options.error)
             grey = (picture.density / WHITE)[..., None].repeat(3, axis=2)
             return replace(picture, color=grey, emission=grey)
-        return picture
+        options = self.lamps.options
+        color = tuple(Keyed(options.body_color, 3).at(number))
+        surfaces = [Surface(vertices, triangles, color) for vertices, triangles in outlines]
+        ground = Ground(lit.medium.shape, tuple(Keyed(options.ground_color, 3).at(number))) if options.ground else None
+        things = {"surfaces": surfaces, "ground": ground, "error": self.options.error}
+        return render(lit.medium, camera, lit.lighting, lit.inner, **things)
 
     def screen(self, picture: Picture, number: float) -> np.ndarray:
         """Return the values of a screen, 0 to 1, shape (rows, columns, 3).
