@@ -1,4 +1,4 @@
-"""Surfaces where the projector would put them, lit by closed forms, behind what is in front of them and before the rest."""
+"""Surfaces where the projector would put them, lit by closed forms, hidden by what is before them and hiding the rest."""
 
 import numpy as np
 import pytest
