@@ -182,7 +182,7 @@ def test_volumes_of_others_are_safe(tmp_path, refused):
         ("[reconstruct]\niterations = 3.5", "[reconstruct] iterations is 3.5, expected a whole number"),
         ("[reconstruct]\nblur = true", "[reconstruct] blur is True, expected a number"),
         ("[reconstruct]\nblur = nan", "[reconstruct] blur is nan, expected a number"),
-        ("[reconstruct]\nmethod = 'magic'", "expected one of appearance-transfer, lsm"),
+        ("[reconstruct]\nmethod = 'magic'", "expected one of appearance-transfer, lsm, stochastic"),
         ("[output]\nhalf = 1", "[output] half is 1, expected true or false"),
         ("[input]\nframes = 3", "[input] frames is 3, expected text"),
         ("reconstruct = 3", "reconstruct is 3, expected a table [reconstruct]"),
@@ -261,14 +261,14 @@ def test_many_damaged_frames_are_counted(tmp_path, refused):
 
 
 def test_export_of_no_run(tmp_path, capsys):
-    """Neither a missing folder nor one that is no run is taken, and a lacking frame is named."""
+    """Neither a missing folder nor one without volumes is taken, and a lacking frame is named."""
     for folder in (tmp_path / "gone", tmp_path):
         assert run("export", folder, "-o", tmp_path / "out") == 2
-        assert f"{folder} is no run, there is no run.toml in it" in capsys.readouterr().err
+        assert f"{folder} has no volumes: name a run, or a folder" in capsys.readouterr().err
     assert run("reconstruct", *quick(*pair(tmp_path), *BARE), "-o", tmp_path / "run", "--frames", "2") == 0
     capsys.readouterr()
     assert run("export", tmp_path / "run", "-o", tmp_path / "out", "--frames", "2-4") == 2
-    assert "lacks frame 3-4 (it has 2): reconstruct it first" in capsys.readouterr().err
+    assert "lacks frame 3-4 (it has 2): choose with --frames" in capsys.readouterr().err
     assert run("export", tmp_path / "run", "-o", tmp_path / "run" / "run.toml") == 2
     assert "run.toml is a file: name a folder with -o" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()

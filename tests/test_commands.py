@@ -253,10 +253,11 @@ def test_choices_left_to_the_footage_are_made_for_the_shot(tmp_path):
 def test_export(tmp_path, unbroken, capsys):
     """npz holds density (x, y, z), float32, y up, with the frame's number and the voxel's size."""
     capsys.readouterr()
-    assert run("export", unbroken, "-o", tmp_path / "npz", "--frames", "1002-1003", "--json") == 0
+    assert run("export", unbroken, "-o", tmp_path / "npz", "--format", "npz", "--frames", "1002-1003", "--json") == 0
     data = json.loads(capsys.readouterr().out)
     assert data["files"] == [str(tmp_path / "npz" / f"density.{frame}.npz") for frame in (1002, 1003)]
-    assert sorted(path.name for path in (tmp_path / "npz").iterdir()) == ["density.1002.npz", "density.1003.npz"]
+    made = ["density.1002.npz", "density.1003.npz", "export.json"]
+    assert sorted(path.name for path in (tmp_path / "npz").iterdir()) == made
     density, facts = read_npz(data["files"][0])
     assert (density.shape, density.dtype) == ((24, 20, 24), np.float32)
     assert facts == {"voxel_size": 0.01, "frame": 1002}
@@ -271,7 +272,7 @@ def test_export_names_what_it_cannot_read(tmp_path, unbroken, capsys):
     path = unbroken / "density.1003.vdb"
     path.write_bytes(path.read_bytes()[:-40])
     capsys.readouterr()
-    assert run("export", unbroken, "-o", tmp_path / "npz") == 1
+    assert run("export", unbroken, "-o", tmp_path / "npz", "--format", "npz") == 1
     printed = capsys.readouterr()
     assert "error: frame 1003: " in printed.err
     assert len(printed.out.splitlines()) == 3
@@ -281,6 +282,6 @@ def test_up_axis_does_not_change_the_export(tmp_path, flags):
     """Volumes stored z-up for Blender are exported y-up like all others."""
     for up in ("y", "z"):
         assert run("reconstruct", *flags, "--frames", "1001", "--up", up, "-o", tmp_path / up) == 0
-        assert run("export", tmp_path / up, "-o", tmp_path / f"npz-{up}") == 0
+        assert run("export", tmp_path / up, "-o", tmp_path / f"npz-{up}", "--format", "npz") == 0
     first, second = (read_npz(tmp_path / f"npz-{up}" / "density.1001.npz")[0] for up in ("y", "z"))
     np.testing.assert_array_equal(first, second)

@@ -16,7 +16,7 @@ from warpfluid.files.npz import read_npz, write_npz
 from warpfluid.files.vdb import read_vdb
 from warpfluid.options import SIMULATE_PAPER, SimulateOptions
 
-PLAIN = ("--no-turntable", "--device", "cpu", "-q")
+PLAIN = ("--no-turntable", "--no-report", "--device", "cpu", "-q")
 BOX = ("--size", "12x16", "--emitter", "sphere center=0,2,0 radius=1.5 density=8 temperature=1", *PLAIN)
 RISING = (*BOX, "--temperature-buoyancy", "5", "--turbulence-strength", "0.5", "--swirl", "1:0;9:3")
 
@@ -369,7 +369,7 @@ def test_bodies(tmp_path):
 def test_export_of_a_simulation(tmp_path):
     """As that of any other run."""
     assert run("simulate", *BOX, "--frames", "1-2", "-o", tmp_path / "out") == 0
-    assert run("export", tmp_path / "out", "-o", tmp_path / "arrays", "-q") == 0
+    assert run("export", tmp_path / "out", "-o", tmp_path / "arrays", "--format", "npz", "-q") == 0
     second = sorted((tmp_path / "arrays").glob("*.npz"))[1]
     np.testing.assert_array_equal(read_npz(second)[0], density(tmp_path / "out", 2))
 

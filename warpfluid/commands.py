@@ -4,14 +4,12 @@ import dataclasses
 import json
 from pathlib import Path
 
-import numpy as np
-
-from warpfluid.errors import Problems, describe
-from warpfluid.files.sequences import format_frames, parse_frames
+from warpfluid.errors import Problems
+from warpfluid.files.sequences import format_frames
 from warpfluid.footage.estimate import check_memory
 from warpfluid.footage.inspection import Inspection, inspect_shot, write_views_picture
 from warpfluid.footage.shot import Shot, open_shot
-from warpfluid.outcome import conclude, name_failures
+from warpfluid.outcome import conclude, do_all
 from warpfluid.progress import Progress
 from warpfluid.run import FILM, PAGE, Run
 from warpfluid.settings import Settings, make_settings
@@ -74,29 +72,6 @@ def flow(settings: Settings, out: Path, method: str, common) -> int:
     return 0
 
 
-def export(folder: Path, out: Path, form: str, frames: str | None, common) -> int:
-    """Write the volumes of a run in another format; return the exit code."""
-    run = Run(folder)
-    run.settings()
-    there = tuple(run.records())
-    wanted = tuple(parse_frames(frames)) if frames else there
-    missing = sorted(set(wanted) - set(there))
-    if missing or not wanted:
-        have = format_frames(there) if there else "none"
-        lacks = f"lacks frame {format_frames(missing)}" if missing else "has no finished frame"
-        raise ValueError(f"{folder} {lacks} (it has {have}): reconstruct it first, or choose with --frames")
-    _make_folder(out)
-    written, failed = [], {}
-    for frame in wanted:
-        try:
-            written.append(str(_export_frame(run, frame, out / f"density.{frame:04d}.{form}")))
-        except (ValueError, OSError) as error:
-            failed[f"frame {frame}"] = describe(error)
-    result = json.dumps({"files": written, "failed": failed}) if common.json else "\n".join(written)
-    print(result)
-    return name_failures(failed, "the others are written; mend these with reconstruct --resume")
-
-
 def demo(out: Path, common) -> int:
     """Reconstruct the packaged sample; return the exit code."""
     from importlib.resources import as_file, files
@@ -136,10 +111,11 @@ def _check_lengths(shot: Shot, settings: Settings) -> None:
 def _reconstruct(run: Run, shot: Shot, settings: Settings, frames: list[int], device, log: Progress) -> dict[str, str]:
     """Reconstruct frames; return what failed."""
     from warpfluid.reconstruction.sequence import reconstruct_frames
+    from warpfluid.reconstruction.systems import round_count
 
     failed, count = {}, 0
     try:
-        with log.frames(frames, settings.reconstruct.iterations) as bar:
+        with log.frames(frames, round_count(settings.reconstruct)) as bar:
             for record in reconstruct_frames(shot, settings, run, device=device, frames=frames, progress=bar.iteration):
                 if "error" in record:
                     failed[f"frame {record['frame']}"] = record["error"]
@@ -163,29 +139,13 @@ def _summarize(
         jobs[FILM] = lambda: write_film(run, settings.output.look, run.folder / FILM)
     if settings.output.report:
         jobs[PAGE] = lambda: report_reconstruction(run, shot, settings, inspection, device=device)
-    failed = {}
-    for name, job in jobs.items() if set(run.records()) & set(shot.frames) else ():
-        log.line(f"write   {name}")
-        try:
-            job()
-        except (ValueError, OSError) as error:
-            failed[name] = describe(error)
-    return failed
+    return do_all(jobs if set(run.records()) & set(shot.frames) else {}, log)
 
 
 def _make_folder(out: Path) -> None:
     if out.exists() and not out.is_dir():
         raise ValueError(f"{out} is a file: name a folder with -o")
     out.mkdir(parents=True, exist_ok=True)
-
-
-def _export_frame(run: Run, frame: int, path: Path) -> Path:
-    from warpfluid.files.npz import write_npz
-    from warpfluid.files.vdb import read_vdb
-
-    found = read_vdb(run.volume_path(frame), ["density"])
-    write_npz(path, np.ascontiguousarray(found.grids["density"]), voxel_size=found.voxel_size, frame=frame)
-    return path
 
 
 def _is_demo(folder: Path, views: list[str]) -> bool:

@@ -1,29 +1,33 @@
 """``warpfluid export``: volumes in another format."""
 
+from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, get_args
 
 from cyclopts import Parameter
 
 from warpfluid.cli.app import app
-from warpfluid.cli.flags import (
-    COMMON,
-    Common,
-)
+from warpfluid.cli.flags import COMMON, Common, make_flags
+from warpfluid.options import ExportOptions
+
+ExportFlags = make_flags(ExportOptions, "Files", 1)
+NO_CHOICES = get_args(ExportFlags)[0]()
 
 
 @app.command
 def export(
-    run: Annotated[Path, Parameter(help="Folder of a run")],
+    source: Annotated[str, Parameter(help="A run, or volumes: a folder, pattern or file, .vdb, .nvdb, .vti or .npz")],
     *,
-    out: Annotated[Path, Parameter(name=["--out", "-o"], help="Folder to write to")],
-    format: Annotated[
-        Literal["npz"], Parameter(help="npz: density (x, y, z), float32, y up, one file a frame")
-    ] = "npz",
-    frames: Annotated[str | None, Parameter(help="Frames to write, such as 1001-1024; all by default")] = None,
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"], help="Folder to write to")] = None,
+    resume: Annotated[bool, Parameter(negative=(), help="Continue an export: frames that are there are kept")] = False,
+    overwrite: Annotated[bool, Parameter(negative=(), help="Replace an earlier export in the folder")] = False,
+    choices: ExportFlags = NO_CHOICES,
     common: Common = COMMON,
 ) -> int:
-    """Write the volumes of a run in another format."""
-    from warpfluid import commands
+    """Write volumes for Blender, Houdini, Maya, Omniverse, ParaView or NumPy."""
+    from warpfluid import exporting
 
-    return commands.export(run, out, format, frames, common)
+    if out is None:
+        raise ValueError("no folder is given for the files: add -o FOLDER")
+    given = {name: value for name, value in asdict(choices).items() if value is not None}
+    return exporting.export(source, out, ExportOptions(**given), resume=resume, overwrite=overwrite, common=common)

@@ -35,23 +35,12 @@ DAMAGE = (
 )
 
 
-def write_npz(
-    path: str | Path,
-    density: np.ndarray,
-    *,
-    more: Mapping[str, np.ndarray] | None = None,
-    half: bool = False,
-    origin: tuple[float, float, float] | None = None,
-    **metadata: float | int | str | bool,
-) -> None:
-    """Write a volume, further grids and facts.
+def write_npz(path: str | Path, density: np.ndarray, **metadata: float | int | str | bool) -> None:
+    """Write a volume and facts about it.
 
     Args:
         path: The file to write; its folder must exist.
         density: Volume, shape (x, y, z), y up.
-        more: Further grids by name, shape (x, y, z) or (x, y, z, 3).
-        half: Store 16-bit floats.
-        origin: Where the centre of voxel (0, 0, 0) lies [world unit].
         **metadata: Single numbers or text by name, such as ``voxel_size`` and ``frame``.
 
     Raises:
@@ -61,16 +50,41 @@ def write_npz(
     density = np.asarray(density)
     if density.ndim != 3 or density.dtype.kind not in "fiub":
         raise ValueError(f"density is {density.dtype} of shape {density.shape}; it must be numbers, (x, y, z)")
-    facts = {name: np.asarray(value) for name, value in metadata.items()}
-    for name, fact in facts.items():
+    for name, value in metadata.items():
+        fact = np.asarray(value)
         if fact.ndim or fact.dtype.kind not in "fiubU":
-            raise ValueError(f"metadata {name!r} is {metadata[name]!r}; it must be one number or text")
-    if origin is not None:
-        facts[ORIGIN] = np.asarray(origin, np.float64)
-    grids = {DENSITY: density, **(more or {})}
-    for name, grid in grids.items():
-        if grid.shape[:3] != density.shape or grid.shape[3:] not in ((), (3,)) or name in facts:
-            raise ValueError(f"grid {name!r} has shape {grid.shape}; it must be {density.shape}, or vectors as many")
+            raise ValueError(f"metadata {name!r} is {value!r}; it must be one number or text")
+    facts = {name: np.asarray(value) for name, value in metadata.items()}
+    _write(path, {DENSITY: density.astype(np.float32, copy=False), **facts})
+
+
+def write_npz_grids(
+    path: str | Path,
+    grids: Mapping[str, np.ndarray],
+    *,
+    voxel_size: float,
+    origin: tuple[float, float, float],
+    half: bool = False,
+    frame: int = 1,
+) -> None:
+    """Write several grids of one lattice, and where they lie.
+
+    Args:
+        path: The file to write; its folder must exist.
+        grids: Arrays by name, shape (x, y, z) or (x, y, z, 3), y up.
+        voxel_size: Side of a voxel [world unit].
+        origin: Where the centre of voxel (0, 0, 0) lies [world unit].
+        half: Store 16-bit floats.
+        frame: Number of the frame.
+
+    Raises:
+        ValueError: If the sizes differ, or a name is taken by a fact.
+        OSError: If the file cannot be written.
+    """
+    facts = {"voxel_size": np.float64(voxel_size), ORIGIN: np.asarray(origin, np.float64), "frame": np.int64(frame)}
+    shapes = {name: grid.shape[:3] for name, grid in grids.items()}
+    if len(set(shapes.values())) != 1 or set(facts) & set(shapes):
+        raise ValueError(f"the grids of a file must have one shape, and other names than {', '.join(facts)}: {shapes}")
     kind = np.float16 if half else np.float32
     _write(path, {**{name: grid.astype(kind, copy=False) for name, grid in grids.items()}, **facts})
 

@@ -9,12 +9,14 @@ import struct
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Literal
 from xml.sax.saxutils import quoteattr, unescape
 
 import numpy as np
 
 from warpfluid.files.atomic import replacing
 from warpfluid.files.grids import GridFacts, GridFile
+from warpfluid.files.vdb.layout import to_file_axes
 
 BLOCK = 2**20  # bytes packed at once
 HEAD = 2**20  # bytes before which the values begin
@@ -26,14 +28,16 @@ def write_vti(
     *,
     voxel_size: float = 1.0,
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    up: Literal["y", "z"] = "y",
 ) -> None:
     """Write grids of one lattice as VTK image data.
 
     Args:
         path: The file to write; its folder must exist.
-        grids: Arrays by name, shape (x, y, z) or (x, y, z, 3), all of one size.
+        grids: Arrays by name, shape (x, y, z) or (x, y, z, 3), all of one size, y up.
         voxel_size: Side of a voxel [world unit].
-        origin: Where the centre of voxel (0, 0, 0) lies [world unit].
+        origin: Where the centre of voxel (0, 0, 0) lies [world unit], y up.
+        up: The file's up axis; ``z`` turns the whole volume, vectors included: (x, y, z) becomes (x, -z, y).
 
     Raises:
         ValueError: If the sizes differ.
@@ -42,7 +46,13 @@ def write_vti(
     shapes = {name: grid.shape[:3] for name, grid in grids.items()}
     if len(set(shapes.values())) != 1:
         raise ValueError(f"the grids of a file must have one shape, not {shapes}; write several files")
-    (shape,) = set(shapes.values())
+    if up == "z":
+        x, y, z = origin
+        grids = {name: to_file_axes(grid, "z")[0] for name, grid in grids.items()}
+        shape = next(iter(grids.values())).shape[:3]
+        origin = (x, 0 - z - (shape[1] - 1) * voxel_size, y)
+    else:
+        (shape,) = set(shapes.values())
     packed, arrays, offset = [], [], 0
     for name, grid in grids.items():
         data = _pack(np.ascontiguousarray(np.swapaxes(grid, 0, 2), "<f4").tobytes())  # x runs fastest

@@ -3,6 +3,7 @@
 from warpfluid.options.checks import RANGES, check_options
 from warpfluid.options.compare import CompareOptions
 from warpfluid.options.preview import PreviewOptions
+from warpfluid.options.export import ExportOptions
 from warpfluid.options.reconstruct import (
     BRIGHT_FLAME,
     PAPER,
@@ -32,6 +33,7 @@ __all__ = [
     "CameraOptions",
     "CompareOptions",
     "EmitterOptions",
+    "ExportOptions",
     "ForceOptions",
     "InputOptions",
     "LightOptions",

@@ -1,7 +1,7 @@
 """Sequences of volumes on disk: a run of ours, or files of another program."""
 
 from warpfluid.volumes.find import ENDINGS, find_volumes
-from warpfluid.volumes.lattice import Lattice
+from warpfluid.volumes.lattice import Lattice, join, lattice_of, lit_part
 from warpfluid.volumes.reading import file_facts, read_density, read_grids
 from warpfluid.volumes.sequence import VolumeSequence, open_volumes
 
@@ -11,6 +11,9 @@ __all__ = [
     "VolumeSequence",
     "file_facts",
     "find_volumes",
+    "join",
+    "lattice_of",
+    "lit_part",
     "open_volumes",
     "read_density",
     "read_grids",

@@ -78,6 +78,16 @@ def lattice_of(facts: GridFacts, box: np.ndarray | None, up: str) -> Lattice | N
     return Lattice(size, tuple(a + size * b for a, b in zip(facts.shift, low, strict=True)), tuple(shape))
 
 
+def lit_part(file: GridFile) -> Lattice | None:
+    """Return where the density of a file is not 0; None if it is nowhere."""
+    lit = file.grids["density"] != 0
+    if not lit.any():
+        return None
+    spans = [np.flatnonzero(lit.any(axis=tuple({0, 1, 2} - {axis})))[[0, -1]] for axis in range(3)]
+    origin = tuple(place + file.voxel_size * int(span[0]) for place, span in zip(file.origin, spans, strict=True))
+    return Lattice(file.voxel_size, origin, tuple(int(span[1] - span[0]) + 1 for span in spans))
+
+
 def join(parts: Mapping[Path, Lattice | None]) -> Lattice | None:
     """Return the lattice that holds all others; None if there is none.
 

@@ -169,11 +169,13 @@ def _open_run(run: Run, name: str, grid: str | None) -> VolumeSequence:
     if not files:
         raise ValueError(f"{run.folder} has no finished frame: reconstruct it first")
     angles = document.get("made-with", {}).get("angles") or [parse_view(view)[0] for view in document.get("views", ())]
+    output = OutputOptions(**document.get("output", {}))
+    finer = document.get("simulate", {}).get("detail", 1)  # its files have more and smaller voxels
     return VolumeSequence(
         name=name,
         files=files,
         angles_deg=tuple(map(float, angles)) or ANGLES_DEG,
-        output=OutputOptions(**document.get("output", {})),
+        output=replace(output, voxel_size=output.voxel_size / finer),
         document=document,
         density_name=grid or DENSITY,
     )
