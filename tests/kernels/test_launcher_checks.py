@@ -28,6 +28,7 @@ from warpfluid.kernels import (
     flow_lift,
     forces,
     guidance,
+    lamps,
     lattice,
     multigrid,
     optical_flow,
@@ -268,18 +269,26 @@ LAUNCHERS = {
         {"top": 2.0},
     ),
     scattered.add_light: (
-        {"transmittance": volume, "light": floats(4, N, N, HEIGHTS)},
+        {"transmittance": volume, "light": floats(7, N, N, HEIGHTS)},
         {"weight": 0.1, "radiance": (1.0, 2.0, 3.0)},
     ),
     scattered.scatter_again: (
         {
-            "light": floats(4, N // 2, N // 2, HEIGHTS // 2),
+            "light": floats(7, N // 2, N // 2, HEIGHTS // 2),
             "field": volume,
             "albedo": lambda device: wp.zeros(2, dtype=wp.vec3, device=device),
             "suns": floats(2, N, N, HEIGHTS),
             "irradiance": lambda device: wp.zeros(2, dtype=wp.vec3, device=device),
         },
         {"factor": 2, "top": 1.0},
+    ),
+    lamps.light_of_lamps: (
+        {
+            "extinction": volume,
+            "places": lambda device: wp.zeros(2, dtype=wp.vec4, device=device),
+            "colors": lambda device: wp.zeros(2, dtype=wp.vec3, device=device),
+        },
+        {"spacing": 2.0},
     ),
     surfaces.see_surfaces: (
         {
@@ -339,6 +348,7 @@ MAY_BE_SHORT = {
     (pair_prices.price_pairs, "picture"),
     (pictures.resize, "field"),
     (coarsen.coarsen, "field"),
+    (lamps.light_of_lamps, "extinction"),
     (coarsen.refine, "out"),  # an odd number of voxels
     (curves.look_up, "values"),
     (scattered.scatter_again, "albedo"),

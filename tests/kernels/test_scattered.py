@@ -14,7 +14,7 @@ CHANDRASEKHAR_H1 = 2.9078  # H(1) for isotropic scattering without absorption
 def lit(transmittance, albedo, *, suns=(), irradiance=(), radiance=(1, 2, 3)):
     """Ambient light where only one direction counts, for all."""
     through = wp.array(transmittance, dtype=float)
-    light = wp.zeros((4, *through.shape), dtype=float)
+    light = wp.zeros((7, *through.shape), dtype=float)
     add_light(through, weight=0.5, radiance=radiance, light=light)
     add_light(through, weight=0.5, radiance=radiance, light=light)
     curve = wp.array(np.full((1, 3), albedo), dtype=wp.vec3)

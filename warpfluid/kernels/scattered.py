@@ -3,8 +3,8 @@
 Light that is scattered at a voxel leaves the volume with the probability P, the mean transmittance over all directions,
 or meets matter again, nearby, where the light is much the same. If that goes on, a mean incoming radiance of J, before
 any scattering, becomes ``J / (1 - albedo (1 - P))``: the closure of Lucy et al. (1991) and of Varosi and Dwek (1999).
-In uniform light of radiance L, J is P L, so with an albedo of 1 the light within is L everywhere, which is exact. For a
-sun the gain is held to that deep in a half-space (Chandrasekhar 1960), for P does not know how much escapes its way.
+In uniform light of radiance L, J is P L, so with an albedo of 1 the light within is L everywhere, which is exact. For
+suns and fires the gain is held to that deep in a half-space (Chandrasekhar 1960): P does not know what leaves their way.
 """
 
 import math
@@ -69,9 +69,12 @@ def scatter_again_kernel(
         place = coarse_place(x, z, y, factor)
         escape = wp.clamp(trilinear(light[3], place), DARK, 1.0)
         total = wp.vec3()
+        leaving = wp.max(escape, 1.0 / MOST_GAIN)
         for channel in range(3):
-            around = wp.max(trilinear(light[channel], place), 0.0)
-            total[channel] = around / (1.0 - kept[channel] + kept[channel] * escape)
+            sky = wp.max(trilinear(light[channel], place), 0.0)
+            fire = wp.max(trilinear(light[4 + channel], place), 0.0)
+            total[channel] = sky / (1.0 - kept[channel] + kept[channel] * escape)
+            total[channel] += fire / (1.0 - kept[channel] + kept[channel] * leaving)
         for k in range(suns.shape[0]):
             arriving = suns[k, x, z, y]
             leaving = wp.max(escape, arriving / MOST_GAIN)
@@ -90,7 +93,7 @@ def add_light(
         transmittance: From each voxel into the direction, shape (x, z, y).
         weight: Share of all directions that this one stands for.
         radiance: Red, green and blue from there.
-        light: Mean incoming radiance and share of open directions, shape (4, x, z, y).
+        light: Mean radiance of the sky, share of open directions, and what is not touched, shape (7, x, z, y).
 
     Raises:
         ValueError: If shapes, types or devices do not fit.
@@ -98,7 +101,7 @@ def add_light(
     device = checks.same_device(transmittance=transmittance, light=light)
     checks.floats(3, transmittance=transmittance)
     checks.floats(4, light=light)
-    checks.shape((4, *transmittance.shape), light=light)
+    checks.shape((7, *transmittance.shape), light=light)
     run = CUDA_RUN if device.is_cuda else CPU_RUN
     inputs = [transmittance, weight, wp.vec3(*map(float, radiance)), run]
     launch(add_light_kernel, transmittance.shape, inputs, [light], device)
@@ -117,7 +120,7 @@ def scatter_again(
     """Return mean incoming radiance with all scattering, but for what comes straight from the suns.
 
     Args:
-        light: Sum of ``add_light`` on a lattice coarser than the field, shape (4, x, z, y).
+        light: Sum of ``add_light`` and mean radiance of fires on a lattice coarser than the field, shape (7, x, z, y).
         field: What the albedo depends on, shape (x, z, y).
         albedo: Curve over the field, shape (n,).
         suns: Transmittance to each sun, shape (sun, x, z, y); there may be none.
@@ -138,7 +141,7 @@ def scatter_again(
     checks.shape((*irradiance.shape, *field.shape), suns=suns)
     if not (factor >= 1 and 0 < top < math.inf and albedo.size):
         raise ValueError(f"factor is {factor}, top {top} and albedo has {albedo.size} entries: all must be above 0")
-    checks.shape((4, *coarse_shape(field.shape, factor)), light=light)
+    checks.shape((7, *coarse_shape(field.shape, factor)), light=light)
     out = wp.empty(field.shape, dtype=wp.vec3, device=device)
     run = CUDA_RUN if device.is_cuda else CPU_RUN
     inputs = [light, factor, field, albedo, top, suns, irradiance, run]

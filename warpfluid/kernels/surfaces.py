@@ -31,8 +31,8 @@ class Stage:
         sun_colors: Irradiance, shape (sun,).
         shadows: Transmittance of the volume to each sun, shape (sun, x, z, y).
         ambient: Mean radiance within the volume, shape (x, z, y).
-        light: The part of it that was not scattered, and the share of the sky that is open, on a coarse lattice,
-            shape (4, x, z, y).
+        light: The sky's part of it that was not scattered, the share of the sky that is open, and the fires' part, on a
+            coarse lattice, shape (7, x, z, y).
         factor: Voxels along an edge of one of that lattice.
         sky: Harmonics of the irradiance from the sky, shape (9,).
         fires: Where fire is, and half the width of what each stands for, shape (fire,).
@@ -153,7 +153,8 @@ def scattered_light(stage: Stage, at: wp.vec3, coarse: wp.vec3) -> wp.vec3:
             weight *= wp.where(bit == 1, share[i], 1.0 - share[i])
         total += weight * stage.ambient[place[0], place[2], place[1]]
     for channel in range(3):
-        total[channel] = wp.max(total[channel] - trilinear(stage.light[channel], coarse), 0.0)
+        straight = trilinear(stage.light[channel], coarse) + trilinear(stage.light[4 + channel], coarse)
+        total[channel] = wp.max(total[channel] - straight, 0.0)
     return total
 
 

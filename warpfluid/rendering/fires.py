@@ -8,7 +8,6 @@ import warp as wp
 from warpfluid.kernels.coarsen import coarsen
 from warpfluid.kernels.curves import look_up
 from warpfluid.rendering.medium import Curve, Medium
-from warpfluid.rendering.shadows import InnerLight
 
 CELLS = 5  # lamps along the longest side of a box, at most
 FAINTEST = 0.005  # of all light; lamps below give theirs to the others
@@ -32,19 +31,19 @@ class Fires:
         return cls(np.zeros((0, 4)), np.zeros((0, 3)))
 
 
-def find_fires(medium: Medium, inner: InnerLight | None = None) -> Fires:
+def find_fires(medium: Medium, open: np.ndarray | None = None, factor: int = 2) -> Fires:
     """Gather the light that a medium gives off into lamps.
 
     Args:
         medium: What fills the volume.
-        inner: Light within it, which tells how much of the glow gets out; all of it when omitted.
+        open: How much of the glow gets out, on a coarse lattice, shape (x, z, y); all of it when omitted.
+        factor: Voxels along an edge of one of that lattice.
     """
     if medium.emission is None:
         return Fires.none()
-    factor = inner.factor if inner else 2
     glow = _glow(medium, medium.emission, factor) * factor**3
-    if inner:
-        glow *= inner.light.numpy()[3]
+    if open is not None:
+        glow *= open
     step = -(-max(glow.shape[1:]) // CELLS)
     lamps, middles = _gather(glow, step)
     brightness = lamps.sum(axis=1)

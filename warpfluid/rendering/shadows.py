@@ -12,15 +12,18 @@ import warp as wp
 
 from warpfluid.kernels.coarsen import coarsen, refine
 from warpfluid.kernels.curves import look_up
+from warpfluid.kernels.lamps import light_of_lamps
 from warpfluid.kernels.sampling import coarse_shape
 from warpfluid.kernels.scattered import add_light, scatter_again
 from warpfluid.kernels.shadow import shadow
+from warpfluid.rendering.fires import Fires, find_fires
 from warpfluid.rendering.harmonics import radiance
 from warpfluid.rendering.lighting import Lighting, Sun
 from warpfluid.rendering.medium import Curve, Medium
 
 SHADOW_VOXELS = 3 << 20  # shadows of larger volumes are found on a lattice half as fine
 SKY_VOXELS = 3 << 19
+FIRE_VOXELS = 1 << 17
 SIDES = [sign * np.eye(3)[axis] for axis in range(3) for sign in (-1, 1)]
 CORNERS = [np.array(corner) / np.sqrt(3) for corner in product((-1, 1), repeat=3)]
 AROUND = [(side, 1 / 15) for side in SIDES] + [(corner, 3 / 40) for corner in CORNERS]  # (x, y, z) and weight
@@ -33,8 +36,8 @@ class InnerLight:
     Attributes:
         shadows: Transmittance to each sun, shape (sun, x, z, y).
         ambient: Mean incoming radiance but for what comes straight from the suns, vec3, shape (x, z, y).
-        light: The part of it that was never scattered, red, green and blue, and the share of all directions that are
-            open, on a lattice ``factor`` times coarser, shape (4, x, z, y).
+        light: The part of it that was never scattered: red, green and blue of the sky's, the share of all directions
+            that are open, red, green and blue of the fires'; on a lattice ``factor`` times coarser, shape (7, x, z, y).
         factor: Voxels along an edge of one of that lattice.
     """
 
@@ -42,6 +45,7 @@ class InnerLight:
     ambient: wp.array
     light: wp.array
     factor: int
+    fires: Fires
 
     def for_march(self) -> dict[str, wp.array]:
         """Return what ``march`` takes."""
@@ -63,6 +67,9 @@ def light_volume(medium: Medium, lighting: Lighting, *, fine: bool = False) -> I
     shadows = cast_shadows(extinction, lighting.suns, factor=1 if fine else _factor(extinction.shape, SHADOW_VOXELS))
     factor = max(2, _factor(extinction.shape, SKY_VOXELS))
     light = gather_sky(extinction, lighting.ambient, factor=factor)
+    fires = find_fires(medium, light[3].numpy(), factor)
+    if len(fires.places):
+        _add_fires(coarsen(extinction, factor=factor), fires, factor, light)
     albedo = medium.albedo or Curve(next(iter(medium.fields)), 1.0, np.zeros(1))
     if albedo.times:
         raise ValueError(f"albedo is multiplied by {albedo.times}, but it is a share: use its entries alone")
@@ -77,14 +84,14 @@ def light_volume(medium: Medium, lighting: Lighting, *, fine: bool = False) -> I
         factor=factor,
         top=albedo.top,
     )
-    return InnerLight(shadows, ambient, light, factor)
+    return InnerLight(shadows, ambient, light, factor, fires)
 
 
 def empty_inner_light(suns: int, device: wp.Device | str | None) -> InnerLight:
     """Return the light where there is no volume: a voxel that hides nothing."""
-    light = wp.array(np.array([0, 0, 0, 1]).reshape(4, 1, 1, 1), dtype=float, device=device)
+    light = wp.array(np.eye(7)[3].reshape(7, 1, 1, 1), dtype=float, device=device)
     shadows = wp.ones((suns, 1, 1, 1), dtype=float, device=device)
-    return InnerLight(shadows, wp.zeros((1, 1, 1), dtype=wp.vec3, device=device), light, 1)
+    return InnerLight(shadows, wp.zeros((1, 1, 1), dtype=wp.vec3, device=device), light, 1, Fires.none())
 
 
 def extinction_of(medium: Medium) -> wp.array:
@@ -128,15 +135,30 @@ def gather_sky(extinction: wp.array, ambient: np.ndarray, *, factor: int) -> wp.
         factor: How many times coarser the lattice is.
 
     Returns:
-        Red, green and blue of the mean radiance, and the share of directions that are open; shape (4, x, z, y).
+        Light as in ``InnerLight``, without fires, shape (7, x, z, y).
     """
     coarse = coarsen(extinction, factor=factor)
-    light = wp.zeros((4, *coarse.shape), dtype=float, device=extinction.device)
+    light = wp.zeros((7, *coarse.shape), dtype=float, device=extinction.device)
     through = wp.empty_like(coarse)
     for direction, weight in AROUND:
         shadow(coarse, _swapped(direction), spacing=factor, out=through)
         add_light(through, weight=weight, radiance=tuple(radiance(ambient, direction)), light=light)
     return light
+
+
+def _add_fires(coarse: wp.array, fires: Fires, factor: int, light: wp.array) -> None:
+    """Add what fires send to the voxels of a coarse lattice; it is found on a still coarser one."""
+    further, device = _factor(coarse.shape, FIRE_VOXELS), coarse.device
+    places = fires.places[:, [0, 2, 1, 3]] + [0.5, 0.5, 0.5, 0]
+    places = places / (factor * further) - [0.5, 0.5, 0.5, 0]
+    lit = light_of_lamps(
+        coarsen(coarse, factor=further),
+        wp.array(places, dtype=wp.vec4, device=device),
+        wp.array(fires.colors, dtype=wp.vec3, device=device),
+        spacing=factor * further,
+    )
+    for channel in range(3):
+        refine(lit[channel], factor=further, out=light[4 + channel])
 
 
 def _swapped(direction: np.ndarray) -> tuple[float, float, float]:

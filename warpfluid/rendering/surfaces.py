@@ -101,7 +101,7 @@ def render(
     if not surfaces and ground is None:
         return march(medium, camera, **options)
     device = next(iter(medium.fields.values())).device
-    fires = find_fires(medium, inner)
+    fires = inner.fires if inner else find_fires(medium)
     seen = see(surfaces, camera, lighting, ground=ground, inner=inner, fires=fires, device=device)
     near = march(medium, camera, limits=seen.depth, **options)
     edge = (seen.cover > 0) & (seen.cover < 1)
