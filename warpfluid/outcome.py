@@ -2,8 +2,10 @@
 
 import json
 import sys
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Mapping
 
+from warpfluid.errors import describe
+from warpfluid.progress import Progress
 from warpfluid.run import Run
 
 TRY_AGAIN = "what is not named here is whole; the same command with --resume tries again"
@@ -24,6 +26,18 @@ def conclude(run: Run, frames: Collection[int], failed: dict[str, str], *, as_js
     else:
         print(f"{run.folder}: {len(records)} of {len(frames)} frames")
     return name_failures(failed, TRY_AGAIN)
+
+
+def do_all(jobs: Mapping[str, Callable[[], object]], log: Progress) -> dict[str, str]:
+    """Write files, each by a function of its own; return what failed, by the file's name."""
+    failed = {}
+    for name, job in jobs.items():
+        log.line(f"write   {name}")
+        try:
+            job()
+        except (ValueError, OSError) as error:
+            failed[name] = describe(error)
+    return failed
 
 
 def name_failures(failed: dict[str, str], way_out: str) -> int:

@@ -9,10 +9,10 @@ from pathlib import Path
 
 from warpfluid.errors import Problems, describe
 from warpfluid.files.sequences import parse_frames
-from warpfluid.outcome import conclude
+from warpfluid.outcome import conclude, do_all
 from warpfluid.presets import preset_names, preset_settings
 from warpfluid.progress import Progress
-from warpfluid.run import FILM, SETTINGS, Run
+from warpfluid.run import FILM, PAGE, SETTINGS, Run
 from warpfluid.settings import SimulateSettings, make_simulate_settings, read_settings
 from warpfluid.simulation.source import USUAL_SIZE, Source, empty_box, fill_box
 from warpfluid.volumes import open_volumes
@@ -61,8 +61,7 @@ def simulate(
     size = "x".join(map(str, _sizes(source)))
     log.line(f"source  {settings.source or 'an empty box'}: {size} voxels, {len(frames)} frames")
     failed = _animate(run, settings, source, frames, device, resume and _continues(run, frames, kept), log)
-    if settings.output.turntable and run.records():
-        failed |= _film(run, settings, log)
+    failed |= _summarize(run, settings, source, device, log)
     return conclude(run, frames, failed, as_json=common.json)
 
 
@@ -178,16 +177,17 @@ def _animate(run: Run, settings: SimulateSettings, source: Source, frames, devic
     return {}
 
 
-def _film(run: Run, settings: SimulateSettings, log: Progress) -> dict[str, str]:
-    """Write the turntable; return what failed."""
+def _summarize(run: Run, settings: SimulateSettings, source: Source, device, log: Progress) -> dict[str, str]:
+    """Write the turntable and the report of what is finished; return what failed."""
     from warpfluid.report.film import write_film
+    from warpfluid.report.of_simulation import report_simulation
 
-    log.line(f"write   {FILM}")
-    try:
-        write_film(run, settings.output.look, run.folder / FILM)
-    except (ValueError, OSError) as error:
-        return {FILM: describe(error)}
-    return {}
+    jobs, look, scale = {}, settings.output.look, source.volumes.scale
+    if settings.output.turntable:
+        jobs[FILM] = lambda: write_film(run, look, run.folder / FILM, scale=scale)
+    if settings.output.report:
+        jobs[PAGE] = lambda: report_simulation(run, settings, source, device=device)
+    return do_all(jobs if run.records() else {}, log)
 
 
 def _size(text: str) -> tuple[int, int]:

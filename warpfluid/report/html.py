@@ -27,7 +27,7 @@ def image(picture: np.ndarray, words: str, style: str = "") -> str:
     from PIL import Image
 
     png = io.BytesIO()
-    Image.fromarray(_checked(picture, words)).save(png, "PNG", optimize=True)
+    Image.fromarray(_checked(picture, words)).save(png, "PNG")
     kind = f' class="{style}"' if style else ""
     return f'<img{kind} alt="{escape(words)}" src="{_data_uri("png", png)}">'
 

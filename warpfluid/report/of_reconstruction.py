@@ -46,7 +46,8 @@ def report_reconstruction(run: Run, shot: Shot, settings: Settings, inspection: 
     begin = time.perf_counter()
     records = {frame: record for frame, record in run.records().items() if frame in shot.frames}
     shown = spread(tuple(records), SHOWN_FRAMES)
-    frames = [_frame(run, shot, settings, records, number, device) for number in shown]
+    numbered = spread(shown, pieces.NUMBERED_FRAMES)
+    frames = [_frame(run, shot, settings, records, number, number in numbered, device) for number in shown]
     methods = list(frames[0].stills)
     means, floors = pieces.sorted_floors(mean_numbers(frame.metrics for frame in frames), methods)
     motion = _motion(run, shot, settings, tuple(records), methods[-1], device)
@@ -59,7 +60,7 @@ def report_reconstruction(run: Run, shot: Shot, settings: Settings, inspection: 
         inputs=pieces.view_reports([s.footage.source for s in shot.sources], shot.angles_deg, middle.images),
         warnings=inspection.hints,
         check=[f"The visual hull fills {inspection.hull_share:.0%} of the box.", *inspection.notes],
-        check_table=_check_table(shot, inspection, tuple(records)),
+        check_table=_check_table(shot, inspection, tuple(records), device),
         frames=frames,
         metrics=means,
         metrics_note=AGAINST,
@@ -79,7 +80,7 @@ def report_reconstruction(run: Run, shot: Shot, settings: Settings, inspection: 
     return run.folder / PAGE
 
 
-def _frame(run: Run, shot: Shot, settings: Settings, records: dict[int, dict], frame: int, device) -> FrameReport:
+def _frame(run: Run, shot: Shot, settings: Settings, records: dict, frame: int, numbered: bool, device) -> FrameReport:
     """Gather the pictures and numbers of a frame; least squares is quick and done again."""
     views, record = shot.views(frame), records[frame]
     volumes = {LSM: reconstruct(views, dataclasses.replace(settings.reconstruct, method="lsm"), device=device).volume}
@@ -87,8 +88,8 @@ def _frame(run: Run, shot: Shot, settings: Settings, records: dict[int, dict], f
         volumes[OURS] = run.volume(frame)
     white = pieces.peak(volumes[OURS if OURS in volumes else LSM])
     other = other_moment(frame, tuple(records))
-    far = shot.views(other).images if other != frame else None
-    numbers = _numbers(volumes, views, far, settings.reconstruct, device)
+    far = shot.views(other).images if other != frame and numbered else None
+    numbers = _numbers(volumes, views, far, settings.reconstruct, device) if numbered else {}
     return FrameReport(
         number=frame,
         angles_deg=pieces.STILLS_DEG,
@@ -115,7 +116,7 @@ def _numbers(volumes: dict, views: Views, far: np.ndarray | None, options: Recon
 def _motion(run: Run, shot: Shot, settings: Settings, frames: tuple[int, ...], method: str, device) -> dict:
     """Return what motion leaves of the result, over the footage's."""
     unseen = pieces.halfway(shot.angles_deg)
-    facts = {"shoulder": settings.reconstruct.shoulder, "device": device}
+    facts = {"shoulder": settings.reconstruct.shoulder, "pairs": pieces.MOTION_PAIRS, "device": device}
     found = motion_against_footage({method: run.volume}, lambda f: shot.views(f).images, frames, unseen, **facts)
     return {"left_over": found[method]} if method in found else {}
 
@@ -144,12 +145,14 @@ def _subtitle(records: dict[int, dict], shown: list[int], inspection: Inspection
     return pieces.headline(tuple(records), frames, shown, (width, depth, height))
 
 
-def _check_table(shot: Shot, inspection: Inspection, frames: tuple[int, ...]) -> list[dict[str, object]]:
+def _check_table(shot: Shot, inspection: Inspection, frames: tuple[int, ...], device) -> list[dict[str, object]]:
     """Return what the check found of every view, a row each, with how fast its picture moves."""
     apart = {pair.angle_deg: f"{pair.remedy.disagreement:.1%}" for pair in inspection.pairs}
     rows = []
     for i, view in enumerate(inspection.views):
-        speed = speeds(lambda frame, i=i: shot.views(frame).images[i : i + 1], frames)
+        speed = speeds(
+            lambda frame, i=i: shot.views(frame).images[i : i + 1], frames, pairs=pieces.MOTION_PAIRS, device=device
+        )
         rows.append(
             {
                 "view": f"{view.angle_deg:g}°",

@@ -42,7 +42,7 @@ def html_report(report: ReportData) -> str:
     body = [
         "".join(f'<p class="warning">{escape(line)}</p>' for line in report.warnings),
         _inputs(report),
-        section("Quality, mean over the frames shown", _quality(report)),
+        section("Quality, mean over some frames", _quality(report)),
         section("Over the frames", _series(report)),
         *(section(title, table(rows)) for title, rows in report.facts.items()),
         *(_frame(frame, angles, report.yardsticks) for frame in report.frames),
@@ -106,7 +106,7 @@ def _frame(frame: FrameReport, input_angles: set[float], yardsticks: Sequence[st
     parts.append(f'<h3>Other fields, from the front</h3><div class="fields">{fields}</div>' if fields else "")
     drawn = frame.energies is not None and len(frame.energies) >= FEWEST_ITERATIONS
     curve = f"<div><h3>Energy</h3>{energy_chart(frame.energies)}</div>" if drawn else ""
-    numbers = metrics_table(frame.metrics, yardsticks)
+    numbers = metrics_table(frame.metrics, yardsticks, explained=False)
     parts.append(side_by_side(f'<div class="wide"><h3>Quality</h3>{numbers}</div>' if numbers else "", curve))
     seconds = "" if frame.seconds is None else f' <span class="soft">{frame.seconds:.1f} s</span>'
     return f'<h2>Frame {frame.number}{seconds}</h2><div class="card">{"".join(parts)}</div>'

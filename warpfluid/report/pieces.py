@@ -17,6 +17,8 @@ from warpfluid.run import Run, versions
 
 STILLS_DEG = tuple(range(0, 91, 15))
 SLICES = 6
+NUMBERED_FRAMES = 3  # of those shown have numbers, which take longer than all pictures
+MOTION_PAIRS = 3  # of frames whose motion is measured
 FILM_IN_PAGE = 60  # pictures of the film that the page carries
 FILM_ROWS = 400  # more are thinned, so that the page stays light
 FILM_RATE = RATE * FILM_IN_PAGE / TURN_PICTURES

@@ -10,14 +10,17 @@ AIMS = {"low": "↓", "high": "↑", "one": "→ 1"}
 LEAST_FLOOR = 1e-3  # that multiples are told of
 
 
-def metrics_table(methods: Mapping[str, Mapping[str, float]], yardsticks: Sequence[str]) -> str:
+def metrics_table(
+    methods: Mapping[str, Mapping[str, float]], yardsticks: Sequence[str], *, explained: bool = True
+) -> str:
     """Return the table of metrics against methods, the best number of a row marked.
 
     Args:
         methods: Numbers by the method's name and the metric's.
         yardsticks: Names among them that are floors; distances are told as multiples of the first one.
+        explained: Say what each metric sees, and how to read the table.
     """
-    rows = [row for metric in METRICS.values() if (row := _metric_row(metric, methods, yardsticks))]
+    rows = [row for metric in METRICS.values() if (row := _metric_row(metric, methods, yardsticks, explained))]
     if not rows:
         return ""
     heads = "".join(
@@ -27,10 +30,13 @@ def metrics_table(methods: Mapping[str, Mapping[str, float]], yardsticks: Sequen
     notes += ["* ranks nothing: matched by the method itself, or better for a blur"]
     notes += [f"×: multiples of the floor, {escape(yardsticks[0])}"] if yardsticks else []
     note = f'<p class="note">{"; ".join(notes)}</p>'
-    return scroll(f"<table><tr><th></th><th></th>{heads}</tr>{''.join(rows)}</table>") + note
+    table = scroll(f'<table class="metrics"><tr><th></th><th></th>{heads}</tr>{"".join(rows)}</table>')
+    return table + note if explained else table
 
 
-def _metric_row(metric: Metric, methods: Mapping[str, Mapping[str, float]], yardsticks: Sequence[str]) -> str:
+def _metric_row(
+    metric: Metric, methods: Mapping[str, Mapping[str, float]], yardsticks: Sequence[str], explained: bool
+) -> str:
     """Return the row of a metric; nothing if no method has it."""
     values = {name: numbers[metric.name] for name, numbers in methods.items() if metric.name in numbers}
     if not values:
@@ -44,10 +50,9 @@ def _metric_row(metric: Metric, methods: Mapping[str, Mapping[str, float]], yard
         told = name in values and name not in yardsticks and floor > LEAST_FLOOR
         times = f"<small>{values[name] / floor:.1f}×</small>" if told else ""
         cells.append(f'<td class="number{kind}">{cell(values.get(name))}{times}</td>')
-    return (
-        f"<tr><td>{escape(metric.label)}{'' if metric.ranks else '*'} <small>{escape(metric.meaning)}</small></td>"
-        f'<td class="aim">{AIMS[metric.best]}</td>{"".join(cells)}</tr>'
-    )
+    label = escape(metric.label) + ("" if metric.ranks else "*")
+    label += f" <small>{escape(metric.meaning)}</small>" if explained else ""
+    return f'<tr><td>{label}</td><td class="aim">{AIMS[metric.best]}</td>{"".join(cells)}</tr>'
 
 
 def options_table(options: Mapping[str, object], defaults: Mapping[str, object]) -> str:

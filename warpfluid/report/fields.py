@@ -1,0 +1,57 @@
+"""The other fields of a simulation, from the front: heat, flame, fuel and speed."""
+
+import numpy as np
+
+from warpfluid.rendering.ramps import apply_ramp
+from warpfluid.volumes import VolumeSequence
+
+SHOWN = ("temperature", "flame", "fuel")
+LIT = 0.01  # of the greatest density: what is fainter has no say in the speed
+FULL = 0.999  # quantile that is the last colour
+FAST = 99
+
+
+def field_pictures(volumes: VolumeSequence, frame: int, fps: float) -> dict[str, np.ndarray]:
+    """Return the greatest value along every ray from the front, in the colours of the slices.
+
+    Args:
+        volumes: A simulated run.
+        frame: One of its frames.
+        fps: Frames a second.
+
+    Returns:
+        Pictures, uint8, shape (rows, columns, 3), by what they show, with the value of the last colour; fields that
+        are 0 everywhere are left out.
+    """
+    found = volumes.fields(frame, (*SHOWN, "velocity"))
+    speed = np.linalg.norm(found.pop("velocity"), axis=3) / fps if "velocity" in found else None
+    shown = {name: found[name] for name in SHOWN if name in found}
+    shown |= {"speed": speed} if speed is not None else {}
+    pictures = {}
+    for name, values in shown.items():
+        if values.max() > 0:
+            front = values.max(axis=1).T[::-1]
+            end = float(np.quantile(front[front > 0], FULL))
+            unit = " voxel/frame" if name == "speed" else ""
+            pictures[f"{name}, 0 to {end:.3g}{unit}"] = apply_ramp(front, "jet", max(end, 1e-30))
+    return pictures
+
+
+def speed_of(volumes: VolumeSequence, frame: int, fps: float) -> tuple[float, float] | None:
+    """Return the mean speed of the fluid, weighted by density, and that of its fastest voxels [voxel/frame].
+
+    Args:
+        volumes: A simulated run.
+        frame: One of its frames.
+        fps: Frames a second.
+
+    Returns:
+        Both; None if there is no velocity, or no fluid.
+    """
+    found = volumes.fields(frame, ("density", "velocity"))
+    if "velocity" not in found or not found["density"].any():
+        return None
+    density = found["density"]
+    lit = density > LIT * density.max()
+    speed = np.linalg.norm(found["velocity"][lit], axis=1) / fps
+    return float(np.average(speed, weights=density[lit])), float(np.percentile(speed, FAST))

@@ -1,0 +1,247 @@
+"""The page of a simulation: what it follows, what came out, steps, light, motion, what stands in the box."""
+
+import dataclasses
+import time
+from pathlib import Path
+
+import numpy as np
+
+from warpfluid.comparison.comparison import other_moment
+from warpfluid.comparison.footage import Footage, find_footage
+from warpfluid.comparison.measure import against_footage, as_given, mean_numbers, upright
+from warpfluid.comparison.motion import motion_against_footage
+from warpfluid.errors import describe
+from warpfluid.footage.estimate import SHOWN_FRAMES
+from warpfluid.footage.sources import spread
+from warpfluid.options import SimulateOptions
+from warpfluid.projector import Projector
+from warpfluid.report import pieces
+from warpfluid.report.data import FrameReport, InputReport, ReportData, SeriesReport
+from warpfluid.report.fields import field_pictures, speed_of
+from warpfluid.report.page import write_report
+from warpfluid.report.scene import body_rows, scene_rows
+from warpfluid.run import PAGE, Run
+from warpfluid.settings import SimulateSettings
+from warpfluid.simulation.source import Source
+from warpfluid.volumes import VolumeSequence, open_volumes
+
+SOURCE, OURS = "source", "simulated"
+AGAINST = (
+    "Unseen views, half-way between those of the footage, against the footage, as distributions. "
+    "Views of one fluid differ, too: the floors are views of the footage against each other."
+)
+MANY = 0.2  # share of the frames that is worth a warning
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class _Simulated:
+    """A run with all that the page needs of it."""
+
+    run: Run
+    settings: SimulateSettings
+    source: Source
+    volumes: VolumeSequence
+    footage: Footage | None
+    records: dict[int, dict]
+    device: object
+
+    def volume(self, frame: int) -> np.ndarray:
+        """Return a volume in grey levels."""
+        return self.run.volume(frame) * np.float32(self.source.volumes.scale)
+
+    def both(self, frame: int) -> dict[str, np.ndarray]:
+        """Return what a frame follows, if there is such, and what came out."""
+        followed = {SOURCE: self.source.volume(frame)} if frame in self.source.frames else {}
+        return followed | {OURS: self.volume(frame)}
+
+    def images(self, frame: int) -> np.ndarray | None:
+        """Return the footage of a frame, if there is any of the right size."""
+        if self.footage is None or self.footage.shot.size != (self.source.shape[0], self.source.shape[2]):
+            return None
+        return self.footage.images(frame)
+
+
+def report_simulation(run: Run, settings: SimulateSettings, source: Source, *, device=None) -> Path:
+    """Write the page of a run.
+
+    Args:
+        run: A run with at least one frame.
+        settings: Its settings.
+        source: What it follows, or an empty box.
+        device: Where to compute.
+
+    Returns:
+        The page, ``report.html`` in the run's folder.
+    """
+    begin, warnings, document = time.perf_counter(), [], run.settings()
+    try:
+        footage = find_footage(document)
+    except (ValueError, OSError) as error:
+        footage = None
+        warnings.append(f"The footage is not to be had, so nothing is compared with it: {describe(error)}")
+    made = _Simulated(
+        run=run,
+        settings=settings,
+        source=source,
+        volumes=open_volumes(run.folder),
+        footage=footage,
+        records=run.records(),
+        device=device,
+    )
+    frames = tuple(made.records)
+    shown = spread(frames, SHOWN_FRAMES)
+    numbered = spread(shown, pieces.NUMBERED_FRAMES)
+    pages = [_frame(made, frame, frame in numbered) for frame in shown]
+    means, floors = pieces.sorted_floors(mean_numbers(page.metrics for page in pages), [SOURCE, OURS])
+    data = ReportData(
+        title=run.folder.resolve().name,
+        subtitle=_subtitle(made, shown),
+        origin="Footage" if footage else "Source",
+        inputs=_inputs(made, shown[len(shown) // 2]),
+        warnings=[*warnings, *_warnings(made)],
+        check=_check(made),
+        frames=pages,
+        metrics=_with_motion(made, means),
+        metrics_note=AGAINST,
+        yardsticks=floors,
+        series=[*_series(made), *_speeds(made, shown)],
+        facts=_facts(made),
+        turntable=pieces.turning(run, settings.output.look, source.volumes.scale),
+        rate=pieces.FILM_RATE,
+        options=pieces.options_of(settings.simulate, settings.output),
+        defaults=pieces.options_of(SimulateOptions(), source.volumes.output),
+        versions=pieces.made_with(run),
+        timings={
+            "frames": sum(record["seconds"] for record in made.records.values()),
+            "this page": time.perf_counter() - begin,
+        },
+    )
+    write_report(run.folder / PAGE, data)
+    return run.folder / PAGE
+
+
+def _frame(made: _Simulated, frame: int, numbered: bool) -> FrameReport:
+    """Gather the pictures and numbers of a frame."""
+    volumes = made.both(frame)
+    white = pieces.peak(next(iter(volumes.values())))
+    return FrameReport(
+        number=frame,
+        angles_deg=pieces.STILLS_DEG,
+        stills=pieces.stills(volumes, made.settings.output.look),
+        slices=pieces.slices(volumes, white),
+        slices_white=white,
+        fields=field_pictures(made.volumes, frame, made.settings.simulate.fps),
+        metrics=_numbers(made, frame, volumes) if numbered else {},
+        seconds=made.records[frame]["seconds"],
+    )
+
+
+def _numbers(made: _Simulated, frame: int, volumes: dict[str, np.ndarray]) -> dict:
+    """Compare a frame with the footage; nothing if there is none."""
+    images = made.images(frame)
+    if images is None:
+        return {}
+    angles, other = made.footage.angles_deg, other_moment(frame, tuple(made.records))
+    facts = {"shoulder": made.footage.shoulder, "device": made.device}
+    far = made.images(other) if other != frame else None
+    found = against_footage(volumes, images, angles, pieces.halfway(angles), other_frame=far, **facts)
+    for name in volumes if found else ():
+        found[name] |= as_given(volumes[name], upright(images), angles, **facts)
+    return pieces.sorted_floors(mean_numbers([found]), list(volumes))[0]
+
+
+def _with_motion(made: _Simulated, means: dict) -> dict:
+    """Return the numbers with what motion leaves over."""
+    if OURS not in means:
+        return means
+    frames = tuple(made.records)
+    volumes = {OURS: made.volume}
+    if set(frames) <= set(made.source.frames):
+        volumes[SOURCE] = made.source.volume
+    facts = {"shoulder": made.footage.shoulder, "pairs": pieces.MOTION_PAIRS, "device": made.device}
+    unseen = pieces.halfway(made.footage.angles_deg)
+    found = motion_against_footage(volumes, made.images, frames, unseen, **facts)
+    return {
+        name: mean_numbers([{name: numbers | ({"left_over": found[name]} if name in found else {})}])[name]
+        for name, numbers in means.items()
+    }
+
+
+def _inputs(made: _Simulated, frame: int) -> list[InputReport]:
+    """Return the footage, or else the source from its views; nothing of an empty box."""
+    images = made.images(frame)
+    if images is not None:
+        names = [source.footage.source for source in made.footage.shot.sources]
+        return pieces.view_reports(names, made.footage.angles_deg, images)
+    if frame not in made.source.frames:
+        return []
+    angles = made.source.volumes.angles_deg
+    images = Projector(angles, made.source.shape, device=made.device).project(made.source.volume(frame))
+    return pieces.view_reports([made.source.volumes.name] * len(angles), angles, images)
+
+
+def _series(made: _Simulated) -> list[SeriesReport]:
+    """Return the numbers over the frames."""
+    records = made.records
+    total = {OURS: {frame: record["total"] / 1e3 for frame, record in records.items()}}
+    followed = {f: r["total"] / r["total_over_source"] / 1e3 for f, r in records.items() if r.get("total_over_source")}
+    total |= {SOURCE: followed} if followed else {}
+    views = [f"{angle:g}°" for angle in made.source.volumes.angles_deg[:3]] if made.source.frames else []
+    exact = {
+        view: {frame: r["input_psnr"][i] for frame, r in records.items() if r["steps"] and r.get("input_psnr")}
+        for i, view in enumerate(views)
+    }
+    return [
+        SeriesReport(title="Total density", values=total, unit=" thousand"),
+        SeriesReport(title="How exactly the views of the source come back", values=exact, unit=" dB"),
+        SeriesReport(title="Solver steps a frame", values={"": {f: r["steps"] for f, r in records.items()}}),
+        SeriesReport(title="Time a frame took", values={"": {f: r["seconds"] for f, r in records.items()}}, unit=" s"),
+    ]
+
+
+def _speeds(made: _Simulated, shown: list[int]) -> list[SeriesReport]:
+    """Return how fast the fluid is in the frames shown."""
+    found = {frame: speed_of(made.volumes, frame, made.settings.simulate.fps) for frame in shown}
+    found = {frame: speed for frame, speed in found.items() if speed}
+    curves = {name: {f: speed[i] for f, speed in found.items()} for i, name in enumerate(("mean", "fastest 1 %"))}
+    return [SeriesReport(title="Speed of the fluid", values=curves, unit=" voxel/frame")] if found else []
+
+
+def _facts(made: _Simulated) -> dict[str, list[dict[str, object]]]:
+    """Return what stands in the box, and where the bodies went."""
+    found = {"Scene": scene_rows(made.settings.scene), "Rigid bodies": body_rows(made.run, made.settings.scene.body)}
+    return {title: rows for title, rows in found.items() if rows}
+
+
+def _check(made: _Simulated) -> list[str]:
+    """Return what is good to know, in sentences."""
+    records = made.records.values()
+    if not made.source.frames:
+        return ["It starts from an empty box and follows nothing."]
+    name = made.source.volumes.name
+    lines = [f"It follows {name}." if len(made.source.frames) > 1 else f"It starts from {name}."]
+    ratios = [record["total_over_source"] for record in records if record.get("total_over_source")]
+    exact = [min(r["input_psnr"]) for r in records if r["steps"] and r.get("input_psnr")]
+    if ratios:
+        lines.append(f"Its light is {min(ratios):.1%} to {max(ratios):.1%} of the source's.")
+    if exact:
+        lines.append(f"The views of the source come back with at least {min(exact):.1f} dB.")
+    return lines
+
+
+def _warnings(made: _Simulated) -> list[str]:
+    """Return what the reader should not miss."""
+    options, records = made.settings.simulate, made.records.values()
+    most = options.substeps or options.max_substeps
+    full = [record for record in records if record["steps"] >= most]
+    if options.substeps is None and len(full) > MANY * len(records):
+        return [
+            f"{len(full)} of {len(records)} frames needed all {most} solver steps that were allowed: "
+            "the fluid is faster than they resolve; raise --max-substeps"
+        ]
+    return []
+
+
+def _subtitle(made: _Simulated, shown: list[int]) -> str:
+    words = pieces.headline(tuple(made.records), "", shown, made.source.shape)
+    return f"Simulation. {words}"
