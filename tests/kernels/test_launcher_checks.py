@@ -22,9 +22,11 @@ from warpfluid.kernels import (
     curves,
     decay,
     diffusion,
+    eddies,
     edges,
     emission,
     filling,
+    fine_paths,
     flow_lift,
     forces,
     guidance,
@@ -63,6 +65,10 @@ N, HEIGHTS, ANGLES = 6, 50, [0.0, 30.0, 90.0]
 
 def floats(*shape):
     return lambda device: wp.full(shape, 1.0, dtype=float, device=device)
+
+
+def vectors_of(*shape):
+    return lambda device: wp.zeros(shape, dtype=wp.vec3, device=device)
 
 
 def bytes_(*shape):
@@ -134,6 +140,32 @@ LAUNCHERS = {
     ),
     guidance.guide: ({"velocity": volume, "low": volume, "target": volume}, {"weight": 1.0}),
     guidance.blend: ({"density": volume, "volume": volume}, {"add": 0.2}),
+    eddies.limit_reach: (
+        {"squares": volume, "cover": volume, "out": volume},
+        {"faint": 0.1, "gain": 1.0, "limit": 2.0},
+    ),
+    eddies.lay_tile: (
+        {
+            "tile": vectors_of(4, 4, 4),
+            "size": volume,
+            "away_x": volume,
+            "away_z": volume,
+            "away_y": volume,
+            "out": vectors_of(2 * N, 2 * N, 2 * HEIGHTS),
+        },
+        {"offset": (0.0, 0.0, 0.0), "nodes_a_voxel": 1.0, "gain": 1.0, "factor": 2},
+    ),
+    eddies.curl: ({"potential": vectors_of(N, N, HEIGHTS), "out": vectors_of(N, N, HEIGHTS)}, {"scale": 0.5}),
+    fine_paths.follow_back: ({"flow": vectors_of(N, N, HEIGHTS), "out": vectors_of(N, N, HEIGHTS)}, {"steps": 2}),
+    fine_paths.sample: (
+        {
+            "field": volume,
+            "path": vectors_of(2 * N, 2 * N, 2 * HEIGHTS),
+            "cover": volume,
+            "out": floats(2 * N, 2 * N, 2 * HEIGHTS),
+        },
+        {"factor": 2},
+    ),
     guidance.mix: ({"field": volume, "other": volume, "share": volume}, {}),
     centres.to_centres: ({"component": floats(N + 1, N, HEIGHTS)}, {"axis": 0}),
     centres.measure_speed: (on_faces, {}),
@@ -375,6 +407,7 @@ MAY_BE_SHORT = {
     (shapes.unite, "out"),  # any lattice
     (centres.to_centres, "component"),  # any shape
     (reach.make_reach, "out"),
+    (eddies.lay_tile, "tile"),
     (shapes.nearest_velocity, "nearest"),  # a block
     (shares.face_share, "corners"),
     (shares.voxel_share, "corners"),

@@ -90,6 +90,11 @@ class SimulateOptions:
     cooling: Annotated[float | str, "Rate at which the hottest gas cools by radiation [1/s]"] = 1.0
     max_temperature: Annotated[float | str, "Temperature that fire does not exceed"] = 2.0
     flame_fade: Annotated[float | str, "Rate at which a flame goes out where nothing burns [1/s]"] = 6.0
+    # detail
+    detail: Annotated[
+        int, "Voxels of the files for one of the simulation, along each axis, with finer eddies; 1 is off"
+    ] = 1
+    detail_strength: Annotated[float | str, "How far the finer eddies carry; 0 only interpolates"] = 1.0
     # solver
     advection: Annotated[
         Literal["maccormack", "semi-lagrangian", "bfecc", "cubic"], "How density and heat are carried"

@@ -6,6 +6,7 @@ balances the result against the views: nothing is averaged that disagrees, so no
 
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import warp as wp
@@ -18,6 +19,7 @@ from warpfluid.run import Run
 from warpfluid.simulation.animation import Animation
 from warpfluid.simulation.cause import name_cause
 from warpfluid.simulation.checkpoint import load_state, save_state
+from warpfluid.simulation.detail import Detail
 from warpfluid.simulation.displacement import advance_displacement, displaced
 from warpfluid.simulation.fields import number_or_field
 from warpfluid.simulation.forces import place_force
@@ -28,7 +30,7 @@ from warpfluid.simulation.scenery import Scenery
 from warpfluid.simulation.solids import clear
 from warpfluid.simulation.solver import Solver, Surroundings
 from warpfluid.simulation.state import Faces, FluidState, six_sides
-from warpfluid.simulation.written import grids_of, write_transforms
+from warpfluid.simulation.written import RIM, fields_of, grids_of, write_transforms
 
 
 class Animator:
@@ -47,6 +49,9 @@ class Animator:
         self.solver = Solver(Physics(options, self.placing, sides))
         self.footage = Footage(source.volumes.angles_deg, source.shape, animation.device)
         self.scenery = Scenery(animation.scene, self.placing, sides, animation.device, frames[0])
+        self.detail = None
+        if options.detail > 1:
+            self.detail = Detail(options.detail, source.shape, sides, options.turbulence_seed, animation.device)
         self._loaded: dict[int, wp.array] = {}
         self.state = self._first_state(frames[0])
 
@@ -64,7 +69,7 @@ class Animator:
             ValueError: If the simulation grows out of bounds, or a volume of the source cannot be read.
             OSError: If a file cannot be read or written.
         """
-        last = load_state(run, self.state, self.scenery.bodies) if resume else None
+        last = load_state(run, self.state, self.scenery.bodies, self.detail) if resume else None
         for frame in self.frames:
             if last is not None and frame <= last:
                 continue
@@ -101,6 +106,8 @@ class Animator:
             if around.solids:
                 clear(self.state.density, around.solids)
             self._keep_total(then)
+        if self.detail:
+            self.detail.advance(self.state, seconds, self.placing.reference)
         return steps
 
     def _first_state(self, frame: int) -> FluidState:
@@ -209,12 +216,16 @@ class Animator:
             pairs = zip(self.footage.images(self.state.density), self.footage.images(volume), strict=True)
             record["input_psnr"] = [round(psnr(a, b, 255.0), 2) for a, b in pairs]
             record["total_over_source"] = round(total(self.state.density) / max(total(volume), 1e-30), 4)
-        density, more = grids_of(
-            self.state, self.placing, source, self.animation.output, burns=self.animation.options.combustion
-        )
+        fields, output, factor = fields_of(self.state), self.animation.output, self.animation.options.detail
+        if self.detail:
+            strength = self.solver.number("detail_strength", frame)
+            fields = self.detail.refine(self.state, self.placing.reference, strength=strength)
+            output = replace(output, voxel_size=output.voxel_size / factor)
+        burns = self.animation.options.combustion
+        density, more = grids_of(fields, self.placing, source, output, burns=burns, rim=RIM * factor)
         record["seconds"] = round(time.perf_counter() - begin, 3)
-        record = run.write_frame(frame, density, self.animation.output, record, more=more)
+        record = run.write_frame(frame, density, output, record, more=more)
         if self.scenery.bodies:
             write_transforms(run, frame, self.scenery.bodies, self.placing, self.animation.output.voxel_size)
-        save_state(run, frame, self.state, self.scenery.bodies)
+        save_state(run, frame, self.state, self.scenery.bodies, self.detail)
         return record

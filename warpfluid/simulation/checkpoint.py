@@ -10,14 +10,16 @@ import warp as wp
 
 from warpfluid.files.atomic import replacing
 from warpfluid.run import CHECKPOINT, Run
+from warpfluid.simulation.detail import Detail
 from warpfluid.simulation.rigid_body import RigidBody
-from warpfluid.simulation.state import Faces, FluidState
+from warpfluid.simulation.state import CELLS, Faces, FluidState
 
-CELLS = ("density", "temperature", "fuel", "flame")
 DAMAGE = (KeyError, OSError, ValueError, EOFError, TypeError, zipfile.BadZipFile, zlib.error)
 
 
-def save_state(run: Run, frame: int, state: FluidState, bodies: Sequence[RigidBody]) -> None:
+def save_state(
+    run: Run, frame: int, state: FluidState, bodies: Sequence[RigidBody], detail: Detail | None = None
+) -> None:
     """Write the state after a frame in place of the one before."""
     arrays = {name: getattr(state, name).numpy() for name in CELLS}
     arrays |= {f"velocity_{name}": part.numpy() for name, part in zip("xzy", state.velocity, strict=True)}
@@ -26,6 +28,8 @@ def save_state(run: Run, frame: int, state: FluidState, bodies: Sequence[RigidBo
         arrays |= {f"away_{name}": part.numpy() for name, part in zip("xzy", state.away, strict=True)}
     for number, body in enumerate(bodies):
         arrays |= {f"body{number}_{name}": value for name, value in body.state().items()}
+    if detail:
+        arrays |= {f"detail_{name}": value for name, value in detail.state().items()}
     with replacing(run.folder / CHECKPOINT) as file:
         np.savez(file, **arrays)
 
@@ -39,7 +43,7 @@ def checkpoint_frame(run: Run) -> int | None:
         return None
 
 
-def load_state(run: Run, state: FluidState, bodies: Sequence[RigidBody]) -> int | None:
+def load_state(run: Run, state: FluidState, bodies: Sequence[RigidBody], detail: Detail | None = None) -> int | None:
     """Take a simulation back to a run's checkpoint.
 
     Returns:
@@ -56,6 +60,7 @@ def load_state(run: Run, state: FluidState, bodies: Sequence[RigidBody]) -> int 
         if [a.shape for a in (*cells.values(), *faces)] != [a.shape for a in there]:
             return None
         moved = [{name: found[f"body{n}_{name}"] for name in body.state()} for n, body in enumerate(bodies)]
+        patterns = {name: found[f"detail_{name}"] for name in detail.state()} if detail else {}
         away = [found[f"away_{name}"] for name in "xzy"] if "away_x" in found else []
         seconds, phase = map(float, found["clock"])
         frame = int(found["frame"])
@@ -66,6 +71,8 @@ def load_state(run: Run, state: FluidState, bodies: Sequence[RigidBody]) -> int 
     state.velocity = Faces(*(wp.array(values, dtype=float, device=device) for values in faces))
     state.seconds, state.phase = seconds, phase
     state.away = tuple(wp.array(values, dtype=float, device=device) for values in away) or None
+    if detail:
+        detail.restore(patterns)
     for body, values in zip(bodies, moved, strict=True):
         body.restore(values)
     return frame

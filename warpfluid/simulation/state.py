@@ -11,6 +11,7 @@ import warp as wp
 
 from warpfluid.kernels.sides import CLOSED, OPEN, SIX, WRAP
 
+CELLS = ("density", "temperature", "fuel", "flame")  # what a fluid has in the voxels' centres
 KINDS = {
     "open": (OPEN, OPEN),
     "closed": (CLOSED, CLOSED),

@@ -1,5 +1,7 @@
 """What a simulated frame leaves on disk besides its density."""
 
+from typing import NamedTuple
+
 import numpy as np
 import warp as wp
 
@@ -9,26 +11,43 @@ from warpfluid.run import BODIES, Run
 from warpfluid.simulation.placing import Placing
 from warpfluid.simulation.rigid_body import RigidBody
 from warpfluid.simulation.source import Source
-from warpfluid.simulation.state import Faces, FluidState
+from warpfluid.simulation.state import CELLS, Faces, FluidState
 
 RIM = 2  # voxels around fluid, along each axis, in which motion and heat are stored
 
 
+class Fields(NamedTuple):
+    """What a frame is written of.
+
+    Attributes:
+        cells: Fields of ``FluidState`` by name, shape (x, z, y).
+        velocity: Components along x, z and y in the voxels [voxel/s], the same shape.
+    """
+
+    cells: dict[str, np.ndarray]
+    velocity: list[np.ndarray]
+
+
+def fields_of(state: FluidState) -> Fields:
+    """Return a fluid as it is written on its own grid."""
+    return Fields({name: getattr(state, name).numpy() for name in CELLS}, centred(state.velocity))
+
+
 def grids_of(
-    state: FluidState, placing: Placing, source: Source, output: OutputOptions, *, burns: bool
+    fields: Fields, placing: Placing, source: Source, output: OutputOptions, *, burns: bool, rim: int = RIM
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Return the density (x, z, y), in the source's unit, and further grids by name.
 
     Velocity is in scene units a second, shape (x, z, y, 3) with components (x, y, z); it, temperature and the rest are
-    stored where there is fluid, and a little around it.
+    stored where there is fluid, and ``rim`` voxels around it.
     """
-    density = state.density.numpy() / np.float32(source.volumes.scale)
-    near = widen(density > output.drop_below * density.max(), RIM)
+    density = fields.cells["density"] / np.float32(source.volumes.scale)
+    near = widen(density > output.drop_below * density.max(), rim)
     names = ["temperature", *(("fuel", "flame") if burns else ())]
     full = {"temperature": 1.0, "fuel": source.volumes.scale, "flame": placing.reference}
-    grids = {name: np.where(near, getattr(state, name).numpy() / np.float32(full[name]), 0) for name in names}
+    grids = {name: np.where(near, fields.cells[name] / np.float32(full[name]), 0) for name in names}
     grids["velocity"] = np.zeros((*near.shape, 3), np.float32)
-    x, z, y = (part * np.float32(output.voxel_size) for part in centred(state.velocity))
+    x, z, y = (part * np.float32(output.voxel_size) for part in fields.velocity)
     for component, part in enumerate((x, y, z)):
         np.copyto(grids["velocity"][..., component], part, where=near)
     return density, {name: grid.astype(np.float32, copy=False) for name, grid in grids.items()}
