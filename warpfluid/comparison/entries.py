@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from warpfluid.comparison.footage import find_origin
 from warpfluid.errors import Problems
 from warpfluid.files.sequences import format_frames
 from warpfluid.volumes import VolumeSequence
@@ -27,8 +28,8 @@ class Entry:
 
     @property
     def foreign(self) -> bool:
-        """Whether it comes from another program, whose unit of density is not known."""
-        return self.volumes.document is None
+        """Whether it began in another program, whose unit of density is not known."""
+        return find_origin(self.volumes.document) is None
 
     def volume(self, frame: int) -> np.ndarray:
         """Return the density of a frame in grey levels, shape (x, z, y).

@@ -1,12 +1,13 @@
 """What a run was made of: the footage, found again through the runs that it came from."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from warpfluid.footage.shot import Shot, open_shot
 from warpfluid.options import InputOptions
-from warpfluid.run import SETTINGS, Run
+from warpfluid.run import SETTINGS
 from warpfluid.settings import read_settings
 
 LONGEST_CHAIN = 16  # a simulation of a simulation of ...
@@ -59,13 +60,27 @@ def find_reconstruction(document: dict | None) -> dict | None:
     """Return what ``run.toml`` says of the reconstruction that a run began with; None if there is none.
 
     Raises:
-        ValueError: If a run on the way is no longer one.
+        ValueError: If a run on the way is damaged.
+    """
+    origin = find_origin(document)
+    return origin if origin and origin.get("views") else None
+
+
+def find_origin(document: dict | None) -> dict | None:
+    """Return what ``run.toml`` says of the first of the runs that led to a run: a reconstruction, or an empty box.
+
+    Args:
+        document: What that of the run itself says.
+
+    Returns:
+        The first one's; None if it is not there any more, or volumes of another program were the first.
+
+    Raises:
+        ValueError: If a run on the way is damaged.
     """
     for _ in range(LONGEST_CHAIN):
-        if document is None or document.get("views"):
+        if document is None or not document.get("source"):
             return document
-        source = Run(document.get("source") or "")
-        if not document.get("source") or not (source.folder / SETTINGS).is_file():
-            return None
-        document = read_settings(source.folder / SETTINGS)
+        path = Path(document["source"]) / SETTINGS
+        document = read_settings(path) if path.is_file() else None
     return None

@@ -1,4 +1,4 @@
-"""The other fields of a simulation, from the front: heat, flame, fuel and speed."""
+"""The other fields of a simulation, cut open: heat, flame, fuel and speed."""
 
 import numpy as np
 
@@ -12,7 +12,7 @@ FAST = 99
 
 
 def field_pictures(volumes: VolumeSequence, frame: int, fps: float) -> dict[str, np.ndarray]:
-    """Return the greatest value along every ray from the front, in the colours of the slices.
+    """Return an upright cut from left to right where there is most fluid, in the colours of the slices.
 
     Args:
         volumes: A simulated run.
@@ -23,17 +23,16 @@ def field_pictures(volumes: VolumeSequence, frame: int, fps: float) -> dict[str,
         Pictures, uint8, shape (rows, columns, 3), by what they show, with the value of the last colour; fields that
         are 0 everywhere are left out.
     """
-    found = volumes.fields(frame, (*SHOWN, "velocity"))
-    speed = np.linalg.norm(found.pop("velocity"), axis=3) / fps if "velocity" in found else None
-    shown = {name: found[name] for name in SHOWN if name in found}
-    shown |= {"speed": speed} if speed is not None else {}
+    found = volumes.fields(frame, ("density", *SHOWN, "velocity"))
+    at = int(found.pop("density").sum(axis=(0, 2)).argmax())
+    if "velocity" in found:
+        found["speed"] = np.linalg.norm(found.pop("velocity"), axis=3) / fps
     pictures = {}
-    for name, values in shown.items():
+    for name, values in found.items():
         if values.max() > 0:
-            front = values.max(axis=1).T[::-1]
-            end = float(np.quantile(front[front > 0], FULL))
+            end = float(np.quantile(values[values > 0], FULL))
             unit = " voxel/frame" if name == "speed" else ""
-            pictures[f"{name}, 0 to {end:.3g}{unit}"] = apply_ramp(front, "jet", max(end, 1e-30))
+            pictures[f"{name}, 0 to {end:.3g}{unit}"] = apply_ramp(values[:, at].T[::-1], "jet", end)
     return pictures
 
 

@@ -39,7 +39,7 @@ def film_pictures(run: Run, look: str, count: int, scale: float = 1.0) -> Iterat
 
     def shoot(frame: int, angles_deg: np.ndarray) -> np.ndarray:
         volume = run.volume(frame)
-        surfaces = [Surface(o.vertices, o.triangles, COLORS[o.kind]) for o in outlines.at(frame, volume.shape)]
+        surfaces = surfaces_in(outlines, frame, volume.shape)
         return render_turntable(volume, angles_deg, look, white=white, surfaces=surfaces)
 
     if len(frames) == count:
@@ -52,3 +52,8 @@ def film_pictures(run: Run, look: str, count: int, scale: float = 1.0) -> Iterat
         film.update(zip(at, shoot(frame, angles[first :: len(frames)]), strict=True))
     for i in range(count):
         yield film[i]
+
+
+def surfaces_in(outlines: Outlines, frame: int, shape: tuple[int, int, int]) -> list[Surface]:
+    """Return what stands in a run at a frame, in colours that set bodies off from obstacles."""
+    return [Surface(o.vertices, o.triangles, COLORS[o.kind]) for o in outlines.at(frame, shape)]

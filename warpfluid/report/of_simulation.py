@@ -15,13 +15,16 @@ from warpfluid.footage.estimate import SHOWN_FRAMES
 from warpfluid.footage.sources import spread
 from warpfluid.options import SimulateOptions
 from warpfluid.projector import Projector
+from warpfluid.rendering.turntable import render_turntable
 from warpfluid.report import pieces
 from warpfluid.report.data import FrameReport, InputReport, ReportData, SeriesReport
 from warpfluid.report.fields import field_pictures, speed_of
+from warpfluid.report.film import surfaces_in
 from warpfluid.report.page import write_report
 from warpfluid.report.scene import body_rows, scene_rows
 from warpfluid.run import PAGE, Run
 from warpfluid.settings import SimulateSettings
+from warpfluid.simulation.outlines import Outlines
 from warpfluid.simulation.source import Source
 from warpfluid.volumes import VolumeSequence, open_volumes
 
@@ -127,13 +130,20 @@ def _frame(made: _Simulated, frame: int, numbered: bool) -> FrameReport:
     return FrameReport(
         number=frame,
         angles_deg=pieces.STILLS_DEG,
-        stills=pieces.stills(volumes, made.settings.output.look),
+        stills=pieces.stills(volumes, made.settings.output.look) | _stills(made, frame, volumes[OURS]),
         slices=pieces.slices(volumes, white),
         slices_white=white,
         fields=field_pictures(made.volumes, frame, made.settings.simulate.fps),
         metrics=_numbers(made, frame, volumes) if numbered else {},
         seconds=made.records[frame]["seconds"],
     )
+
+
+def _stills(made: _Simulated, frame: int, volume: np.ndarray) -> dict[str, np.ndarray]:
+    """Return pictures with what stands in the box."""
+    surfaces = surfaces_in(Outlines(made.run), frame, volume.shape)
+    look = made.settings.output.look
+    return {OURS: render_turntable(volume, pieces.STILLS_DEG, look, surfaces=surfaces)} if surfaces else {}
 
 
 def _numbers(made: _Simulated, frame: int, volumes: dict[str, np.ndarray]) -> dict:
@@ -223,7 +233,7 @@ def _check(made: _Simulated) -> list[str]:
     ratios = [record["total_over_source"] for record in records if record.get("total_over_source")]
     exact = [min(r["input_psnr"]) for r in records if r["steps"] and r.get("input_psnr")]
     if ratios:
-        lines.append(f"Its light is {min(ratios):.1%} to {max(ratios):.1%} of the source's.")
+        lines.append(f"Its density totals {min(ratios):.1%} to {max(ratios):.1%} of the source's.")
     if exact:
         lines.append(f"The views of the source come back with at least {min(exact):.1f} dB.")
     return lines

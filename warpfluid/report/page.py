@@ -100,10 +100,12 @@ def _frame(frame: FrameReport, input_angles: set[float], yardsticks: Sequence[st
         title = "<h3>Horizontal slices, from above: front at the bottom, low to high</h3>"
         parts.append(f'{title}<div class="side">{slices}</div>{bar}')
     fields = "".join(
-        f"<figure>{image(picture, words)}<figcaption>{escape(words)}</figcaption></figure>"
+        f"<figure>{image(picture, words, 'pixels')}<figcaption>{escape(words)}</figcaption></figure>"
         for words, picture in frame.fields.items()
     )
-    parts.append(f'<h3>Other fields, from the front</h3><div class="fields">{fields}</div>' if fields else "")
+    if fields:
+        title = "<h3>Other fields, cut open where there is most fluid, seen from the front</h3>"
+        parts.append(f'{title}<div class="fields">{fields}</div>')
     drawn = frame.energies is not None and len(frame.energies) >= FEWEST_ITERATIONS
     curve = f"<div><h3>Energy</h3>{energy_chart(frame.energies)}</div>" if drawn else ""
     numbers = metrics_table(frame.metrics, yardsticks, explained=False)
