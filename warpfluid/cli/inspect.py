@@ -1,4 +1,4 @@
-"""``warpfluid inspect``: what is understood of footage."""
+"""``warpfluid inspect``: what is understood of footage, and what a file is."""
 
 from pathlib import Path
 from typing import Annotated
@@ -24,7 +24,7 @@ from warpfluid.cli.flags import (
 
 @app.command
 def inspect(
-    *,
+    *files: Annotated[str, Parameter(help="Files to explain: volumes, pictures, videos, stages, folders of runs")],
     view: ViewFlag = None,
     front: FrontFlag = None,
     side: SideFlag = None,
@@ -37,9 +37,16 @@ def inspect(
     method: MethodFlags = NO_METHOD,
     common: Common = COMMON,
 ) -> int:
-    """Show what is understood of footage: sizes, frames, levels, agreement of the views, cost."""
+    """Show what is understood of footage: sizes, frames, levels, agreement, cost; or what files are."""
     from warpfluid import commands
 
     views = [*(view or []), *named_views(front, side)]
+    if files:
+        if views or config:
+            given = " ".join(files)
+            raise ValueError(f"{given} is explained as it is; footage follows --view ANGLE=, --front or --side")
+        from warpfluid.explaining import explain_files
+
+        return explain_files(files, common)
     settings = commands.make_settings(views, footage, method, None, paper=paper, config=config)
     return commands.inspect(settings, picture, common)

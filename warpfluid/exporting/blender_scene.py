@@ -24,7 +24,7 @@ WHITE = 255.0  # ray sum that is white
 THICK = 12.0  # optical depth of the thickest ray of smoke
 FLAME = ((0.0, (0.4, 0.02, 0.0)), (0.3, (1.0, 0.14, 0.01)), (0.65, (1.0, 0.34, 0.04)), (1.0, (1.0, 0.58, 0.16)))
 SKIES = {"fire": 0.0, "plain": 0.0, "explosion": 0.015, "smoke": 0.03}
-FLAME_VOXELS = 12.0  # of full flame in a row are white
+FLAME_VOXELS = 9.0  # of full flame in a row are white
 BRIGHT = 1.5  # colours are darker than white
 LENS_MM, SENSOR_MM = 50.0, 36.0
 
@@ -120,11 +120,11 @@ def make_material(record, look):
     if "Temperature Attribute" in shader.inputs:
         shader.inputs["Temperature Attribute"].default_value = ""
     voxel, brightest, full = measures(record)
-    smoke = THICK / (max(brightest, 1e-30) * voxel)
+    smoke = (THICK if look == "smoke" else THICK / 2) / (max(brightest, 1e-30) * voxel)
     if look in ("smoke", "explosion"):
         density = attribute(nodes, "density", -600, -200)
         links.new(scaled(nodes, links, density, smoke, -300, -200, "smoke"), shader.inputs["Density"])
-        shade = 0.9 if look == "smoke" else 0.25
+        shade = 0.9 if look == "smoke" else 0.2
         shader.inputs["Color"].default_value = (shade, shade, shade, 1)
         shader.inputs["Anisotropy"].default_value = 0.3
     if look != "smoke":
@@ -234,7 +234,7 @@ def add_lights(low, high, look):
         ("fill", (1.2, -0.6, 0.2), 0.6, (0.6, 0.75, 1.0)),
     ):
         data = bpy.data.lights.new(name, "SUN")
-        data.energy, data.color, data.angle = power, colour, 0.05
+        data.energy, data.color, data.angle = power if look == "smoke" else power / 3, colour, 0.05
         light = bpy.data.objects.new(name, data)
         light.location = middle + Vector(way).normalized() * size
         light.rotation_euler = (-Vector(way)).to_track_quat("-Z", "Y").to_euler()

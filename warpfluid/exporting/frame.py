@@ -11,7 +11,8 @@ from warpfluid.volumes import Lattice, VolumeSequence, file_facts, join, lattice
 
 DENSITY, VELOCITY = "density", "velocity"
 VELOCITIES = (VELOCITY, "vel", "v")  # as other programs call it
-FULL = 0.99  # quantile of the lit density that counts as full
+FULL = 0.99  # quantile of what is lit that counts as full
+FAINT = 0.01  # of the maximum; less is not lit
 
 
 @dataclass(frozen=True)
@@ -132,7 +133,7 @@ def _seen(grids: dict[str, np.ndarray]) -> dict:
     """Return what materials need to know: how dense is full, and how much a frame holds."""
     full = {}
     for name, grid in grids.items():
-        lit = grid[grid > 0] if grid.ndim == 3 else np.zeros(0)
+        lit = grid[grid > FAINT * grid.max(initial=0)] if grid.ndim == 3 else np.zeros(0)
         if lit.size:
             full[name] = float(np.quantile(lit, FULL))
     brightest = float(grids[DENSITY].sum(axis=2).max()) if DENSITY in grids else 0.0
