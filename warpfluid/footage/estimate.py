@@ -79,7 +79,7 @@ def estimate_carried(size: tuple[int, int], share: float, options: ReconstructOp
         options: Iterations, angles and steps.
         views: How many.
     """
-    if options.coherence == "none" or options.method == "lsm":
+    if options.coherence == "none" or options.method != "appearance-transfer":
         return estimate_cost(size, share, options)[0]
     few = replace(options, iterations=options.coherent_iterations)
     return estimate_cost(size, share, few)[0] + views * size[0] * size[1] * SECONDS_A_FLOW_PIXEL

@@ -90,6 +90,26 @@ def launch(
     list(_pool(thread_count()).map(work, jobs))
 
 
+def each(kernel: wp.Kernel, count: int, inputs: list, device: wp.Device) -> None:
+    """Launch a kernel over long pieces of work that know nothing of each other, a piece a thread.
+
+    Args:
+        kernel: Takes ``first`` before ``inputs``; its thread index counts from there.
+        count: Number of pieces.
+        inputs: Further inputs, arrays to write among them.
+        device: Where the arrays are.
+    """
+    if device.is_cuda:
+        wp.launch(kernel, dim=count, inputs=[0, *inputs], device=device, block_dim=32)
+        return
+    kernel.module.load(device)
+
+    def work(piece):
+        wp.launch(kernel, dim=1, inputs=[piece, *inputs], device=device)
+
+    list(_pool(thread_count()).map(work, range(count)))
+
+
 def elementwise(kernel: wp.Kernel, inputs: list, out: wp.array) -> wp.array:
     """Launch a kernel over all elements of arrays of one shape.
 

@@ -54,9 +54,14 @@ class InputOptions:
 class ReconstructOptions:
     """The reconstruction of Section 3."""
 
-    method: Annotated[Literal["appearance-transfer", "lsm"], "appearance-transfer, or least squares alone (Eq. 3)"] = (
-        "appearance-transfer"
-    )
+    method: Annotated[
+        Literal["appearance-transfer", "lsm", "stochastic", "convex", "multiplication", "flame-sheet"],
+        "appearance-transfer, or what it is compared with: least squares alone (Eq. 3), stochastic tomography and its "
+        "energy's minimum by a convex solver, the multiplication and the flame sheet of Hasinoff and Kutulakos",
+    ] = "appearance-transfer"
+    start: Annotated[
+        Literal["lsm", "multiplication", "flame-sheet"], "What appearance transfer starts from: lsm is Eq. 3"
+    ] = "lsm"
     iterations: Annotated[int, "EM iterations; 5 serve for a preview"] = 8
     angles: Annotated[
         int | None,
@@ -77,6 +82,9 @@ class ReconstructOptions:
         Literal["box", "joseph"], "What a voxel looks like to a ray: box conserves light in every view"
     ] = "box"
     # E-step
+    e_step: Annotated[
+        Literal["least-squares", "stochastic"], "How a volume is fitted: conjugate gradients, or random walks (slow)"
+    ] = "least-squares"
     cg_steps: Annotated[int, "Conjugate gradient steps of an E-step"] = 5
     lsm_steps: Annotated[int, "Conjugate gradient steps of the initial volume (Eq. 3)"] = 12
     preconditioner: Annotated[
@@ -93,6 +101,16 @@ class ReconstructOptions:
     )
     fade: Annotated[float, "Share of black views at which a voxel has faded to nothing; 0 is off"] = 0.5
     fade_blur: Annotated[float, "Smoothing of that share [voxel]"] = 1.5
+    # stochastic tomography and the convex solver
+    sad_weight: Annotated[
+        float, "Weight of the sum of absolute differences between neighbours, beside squared grey levels"
+    ] = 1.0
+    mutations: Annotated[
+        int | None, "Proposals of all random walks; by default 500 a voxel of the hull, 20 in an E-step"
+    ] = None
+    chains: Annotated[int, "Number of random walks"] = 10000
+    quantum: Annotated[float, "Light that the first proposals add or take [grey level]; the last ones a 256th"] = 4.0
+    convex_steps: Annotated[int, "Primal-dual steps of the convex solver"] = 500
     # visual hull and start
     threshold: Annotated[float, "Grey level above which a pixel belongs to the silhouette [0-255]"] = 1.0
     hull: Annotated[
@@ -108,7 +126,7 @@ class ReconstructOptions:
     noise_grain_y: Annotated[
         float | None, "Its scale along the height; the same by default, 8 for one bright flame"
     ] = None
-    seed: Annotated[int, "Seed of the noise, the same for all frames"] = 0
+    seed: Annotated[int, "Seed of noise and random walks, the same for all frames"] = 0
     # M-step
     scales: Annotated[int | None, "Scales of the steerable pyramid; from the picture's size by default"] = None
     interpolation: Annotated[

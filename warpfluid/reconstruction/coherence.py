@@ -18,7 +18,7 @@ from warpfluid.options import ReconstructOptions
 from warpfluid.reconstruction.em import Iteration, Progress, finish, footage_facts
 from warpfluid.reconstruction.inputs import Inputs, make_inputs
 from warpfluid.reconstruction.result import Reconstruction
-from warpfluid.reconstruction.start import SWEEPS, least_squares, rough_start, roughen
+from warpfluid.reconstruction.start import SWEEPS, first_volume, rough_start, roughen
 from warpfluid.views import Views
 
 TRIAL_SWEEPS = 2
@@ -57,14 +57,14 @@ def follow(
     if not (inputs.images > inputs.threshold).any():
         return None
     carried = carry(previous * np.float32(255 / now.white), now, later, method=options.flow, device=device)
-    initial = least_squares(inputs, options)
+    initial = first_volume(inputs, options)
     volume, lacking = filled_start(inputs, options, carried, rough_start(inputs, options, initial))
     if lacking > CUT:
         return None
     roughen(volume, inputs, options, amplitude=min(REFRESH, options.start_noise))
     options = replace(options, iterations=few + round(lacking / CUT * max(full - few, 0)))
-    energies = Iteration(inputs, options).run(volume, progress, fade_first=True)
-    return finish(later, options, inputs, volume, initial, energies)
+    modelled = Iteration(inputs, options).run(volume, progress, fade_first=True)
+    return finish(later, options, inputs, modelled, initial)
 
 
 def filled_start(

@@ -16,10 +16,13 @@ from warpfluid.kernels import vectors
 from warpfluid.kernels.blur import blur
 from warpfluid.options import ReconstructOptions
 from warpfluid.reconstruction.appearance import AppearanceTransfer
+from warpfluid.reconstruction.convex import SadEnergy
 from warpfluid.reconstruction.inputs import Inputs, make_inputs
 from warpfluid.reconstruction.lsm import LeastSquares
 from warpfluid.reconstruction.result import Reconstruction
-from warpfluid.reconstruction.start import given_start, least_squares, rough_start
+from warpfluid.reconstruction.start import first_volume, given_start, least_squares, rough_start
+from warpfluid.reconstruction.stochastic import random_walk
+from warpfluid.reconstruction.systems import Modelled, model, walk_options
 from warpfluid.views import Views
 
 BRIGHT = 200.0  # grey level
@@ -36,12 +39,13 @@ def reconstruct(
     progress: Progress | None = None,
     device: str | wp.Device | None = None,
 ) -> Reconstruction:
-    """Model the volume of one frame from its views.
+    """Model the volume of one frame from its views, by appearance transfer or another system (``systems``).
 
     Args:
         views: One or more views of the frame.
         options: Choices of the method.
-        start: Volume to start from instead of least squares, shape (x, z, y), ray sums in pixel values.
+        start: Volume that appearance transfer starts from, shape (x, z, y), ray sums in pixel values; by default the
+            one that the options name.
         progress: Called after each iteration with its number and the energy.
         device: Where to compute; Warp's default when omitted.
 
@@ -56,36 +60,29 @@ def reconstruct(
     inputs = make_inputs(views, options, device)
     if not (inputs.images > inputs.threshold).any():
         return _empty(views)
-    initial = least_squares(inputs, options)
-    volume, energies = initial, np.zeros((0, 2))
-    if options.method == "appearance-transfer":
-        rough = start is None
-        volume = (
-            rough_start(inputs, options, initial)
-            if rough
-            else given_start(inputs, options, start * np.float32(255 / views.white))
-        )
-        energies = Iteration(inputs, options).run(volume, progress)
-    return finish(views, options, inputs, volume, initial, energies)
+    if options.method != "appearance-transfer":
+        return finish(views, options, inputs, model(inputs, options, progress), least_squares(inputs, options))
+    initial = first_volume(inputs, options)
+    if start is None:
+        volume = rough_start(inputs, options, initial)
+    else:
+        volume = given_start(inputs, options, start * np.float32(255 / views.white))
+    return finish(views, options, inputs, Iteration(inputs, options).run(volume, progress), initial)
 
 
 def finish(
-    views: Views,
-    options: ReconstructOptions,
-    inputs: Inputs,
-    volume: wp.array,
-    initial: wp.array,
-    energies: np.ndarray,
+    views: Views, options: ReconstructOptions, inputs: Inputs, modelled: Modelled, initial: wp.array
 ) -> Reconstruction:
     """Return the result in the whole box and in the views' pixel values."""
     pixel = np.float32(views.white / 255)
-    whole = inputs.whole(volume)
+    whole = inputs.whole(modelled.volume)
     if len(views.angles_deg) == 1 and options.stand_in == "measured":
         whole = _symmetric(whole, views.angles_deg[0])
     return Reconstruction(
         volume=whole * pixel,
         initial=inputs.whole(initial) * pixel,
-        energies=energies,
+        energies=modelled.energies,
+        walk=modelled.walk,
         angles_deg=views.angles_deg,
         hull_share=float(inputs.hull.numpy().sum(dtype=np.float64) / whole.size),
         white=views.white,
@@ -118,9 +115,10 @@ class Iteration:
         self._transfer = AppearanceTransfer(
             inputs.images, inputs.angles_deg, fan_deg, height=options.scales, interpolation=options.interpolation
         )
-        weights = np.ones(len(fan_deg))
-        weights[self._at] = options.input_weight
-        self._solver = LeastSquares(self._fan, weights=weights, ramp=options.preconditioner == "ramp")
+        self._weights = np.ones(len(fan_deg))
+        self._weights[self._at] = options.input_weight
+        self._walks: list[np.ndarray] = []
+        self._solver = LeastSquares(self._fan, weights=self._weights, ramp=options.preconditioner == "ramp")
         self._balance = inputs.balancing(options.footprint)
         self._scratch = self._volume()
         if options.fade > 0:
@@ -129,7 +127,7 @@ class Iteration:
             self._fan.backproject(ones, out=self._seen)
             blur(inputs.support, options.fade_blur, scratch=self._scratch, out=self._cover)
 
-    def run(self, volume: wp.array, progress: Progress | None = None, *, fade_first: bool = False) -> np.ndarray:
+    def run(self, volume: wp.array, progress: Progress | None = None, *, fade_first: bool = False) -> Modelled:
         """Alternate M-step and E-step.
 
         Args:
@@ -138,7 +136,7 @@ class Iteration:
             fade_first: Fade in the first iteration too; the M-step of a rough start still sees the start's silhouette.
 
         Returns:
-            The energies, shape (iteration, 2).
+            The volume, and its energy after each M-step and each E-step.
         """
         energies = np.zeros((self.options.iterations, 2))
         rendered = self._fan.project(volume)
@@ -147,14 +145,14 @@ class Iteration:
             residual = wp.array(made, dtype=float, device=self.device)
             vectors.add_scaled(residual, -1.0, rendered, out=residual)
             energies[iteration, 0] = vectors.dot(residual, residual)
-            self._e_step(volume, residual, made, fade=fade_first or iteration > 0)
+            self._e_step(volume, residual, made, iteration, fade=fade_first or iteration > 0)
             self._fan.project(volume, out=rendered)
             targets = wp.array(made, dtype=float, device=self.device)
             vectors.add_scaled(targets, -1.0, rendered, out=residual)
             energies[iteration, 1] = vectors.dot(residual, residual)
             if progress:
                 progress(iteration + 1, energies[iteration, 1])
-        return energies
+        return Modelled(volume, energies, np.concatenate(self._walks) if self._walks else np.zeros((0, 2)))
 
     def _m_step(self, rendered: wp.array) -> np.ndarray:
         """Modify the rendered views so that they look like the inputs, and put the inputs in."""
@@ -165,10 +163,25 @@ class Iteration:
         made[self._at] = self._measured
         return made
 
-    def _e_step(self, volume: wp.array, residual: wp.array, made: np.ndarray, *, fade: bool) -> None:
+    def _e_step(self, volume: wp.array, residual: wp.array, made: np.ndarray, iteration: int, *, fade: bool) -> None:
         """Fit the volume to the modified views, in place."""
+        if self.options.e_step == "stochastic":
+            self._walk(volume, made, iteration)
+        else:
+            self._solver.improve(volume, residual, self.options.cg_steps)
+        self._mend(volume, made, fade=fade)
+
+    def _walk(self, volume: wp.array, made: np.ndarray, iteration: int) -> None:
+        """Fit the volume by random walks, in place."""
+        targets = wp.array(made, dtype=float, device=self.device)
+        energy = SadEnergy(self._fan, targets, self.options.sad_weight, weights=self._weights)
+        voxels = float(self.inputs.support.numpy().sum(dtype=np.float64))
+        told = walk_options(self.options, voxels, e_step=iteration)
+        self._walks.append(random_walk(energy, volume, told).rates)
+
+    def _mend(self, volume: wp.array, made: np.ndarray, *, fade: bool) -> None:
+        """Make a fitted volume plausible, in place: nowhere negative, smooth, faded, and right where it is measured."""
         options = self.options
-        self._solver.improve(volume, residual, options.cg_steps)
         if options.non_negative:
             vectors.clip(volume)
         if options.blur > 0:

@@ -55,6 +55,11 @@ class Inputs:
         """Light of every height, the same in all views of an emissive volume, shape (v,)."""
         return self.images[: self.measured].sum(axis=1).mean(axis=0)
 
+    @property
+    def fitted(self) -> int:
+        """How many of the images a volume is fitted to: all but a stand-in that only tells how the side looks."""
+        return len(self.images) if self.side is None else self.measured
+
     @functools.cached_property
     def support(self) -> wp.array:
         """1 where the hull is not 0."""
@@ -76,10 +81,11 @@ class Inputs:
         out[self.part] = volume.numpy()
         return out
 
-    def projector(self, angles_deg: tuple[float, ...], footprint: str) -> Projector:
-        """Return the projector of some angles inside the hull."""
+    def projector(self, angles_deg: tuple[float, ...], footprint: str, *, soft: bool = True) -> Projector:
+        """Return the projector of some angles inside the hull, with the soft rim that it may have or without."""
         place = {"corner": self.corner, "width": self.images.shape[1]}
-        return Projector(angles_deg, self.hull.shape, hull=self.hull, footprint=footprint, **place)
+        hull = self.hull if soft else self.support
+        return Projector(angles_deg, hull.shape, hull=hull, footprint=footprint, **place)
 
     def balancing(self, footprint: str) -> Balancing:
         """Return the balancing against all measured views."""

@@ -2,7 +2,7 @@
 
 import base64
 import io
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -17,11 +17,13 @@ class Reconstruction:
 
     Attributes:
         volume: Density, shape (x, z, y); its ray sums are pixel values of linear light.
-        initial: The volume of least squares alone (Eq. 3), for comparison.
-        energies: Eq. 1 after the M-step and after the E-step of every iteration, shape (iteration, 2).
+        initial: The volume of least squares alone (Eq. 3), for comparison, or what the options name as start.
+        energies: Eq. 1 after the M-step and after the E-step of every iteration; the energy of stochastic tomography
+            before and after each round of its solvers. Shape (iteration, 2).
         angles_deg: Angles of the measured views.
         hull_share: Part of the box that the visual hull fills.
         white: Pixel value of white.
+        walk: Share of the applied proposals and quantum [grey level] of each sweep of a random walk, shape (sweep, 2).
     """
 
     volume: np.ndarray
@@ -30,6 +32,7 @@ class Reconstruction:
     angles_deg: tuple[float, ...]
     hull_share: float
     white: float = 255.0
+    walk: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
 
     @property
     def density(self) -> np.ndarray:

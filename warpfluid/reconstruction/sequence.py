@@ -71,7 +71,7 @@ def _reconstruct_frame(
     begin, result = time.perf_counter(), None
     views, options = shot.views(frame), settings.reconstruct
     report = (lambda iteration, energy: progress(frame, iteration, energy)) if progress else None
-    if before and options.coherence == "flow" and options.method != "lsm":
+    if before and options.coherence == "flow" and options.method == "appearance-transfer":
         result = follow(before[1], before[2], views, options, progress=report, device=device)
     carried = result is not None
     if not carried:
@@ -80,6 +80,7 @@ def _reconstruct_frame(
     record = {
         "carried": carried,
         "energies": result.energies.tolist(),
+        **({"walk": result.walk.round(6).tolist()} if len(result.walk) else {}),
         "hull_share": result.hull_share,
         "input_psnr": [round(psnr(*pair, views.white), 2) for pair in zip(rendered, views.images, strict=True)],
         "total": float(result.volume.sum(dtype=np.float64)),

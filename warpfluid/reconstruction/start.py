@@ -13,6 +13,7 @@ from warpfluid.balance import Balancing
 from warpfluid.kernels import vectors
 from warpfluid.kernels.blur import blur
 from warpfluid.options import ReconstructOptions
+from warpfluid.reconstruction.couplings import flame_sheet, multiplication
 from warpfluid.reconstruction.inputs import Inputs
 from warpfluid.reconstruction.lsm import initial_volume
 
@@ -21,19 +22,25 @@ SWEEPS = 5
 
 def least_squares(inputs: Inputs, options: ReconstructOptions) -> wp.array:
     """Return the volume of least squares on the inputs (Eq. 3), over the inputs' part of the box."""
-    count = len(inputs.images) if inputs.side is None else inputs.measured
-    projector = inputs.projector(inputs.angles_deg[:count], options.footprint)
-    images = wp.array(inputs.images[:count], dtype=float, device=projector.device)
+    projector = inputs.projector(inputs.angles_deg[: inputs.fitted], options.footprint)
+    images = wp.array(inputs.images[: inputs.fitted], dtype=float, device=projector.device)
     return initial_volume(projector, images, steps=options.lsm_steps, non_negative=options.non_negative)
+
+
+STARTS = {"lsm": least_squares, "multiplication": multiplication, "flame-sheet": flame_sheet}
+
+
+def first_volume(inputs: Inputs, options: ReconstructOptions) -> wp.array:
+    """Return the volume that appearance transfer begins with, over the inputs' part of the box."""
+    return STARTS[options.start](inputs, options)
 
 
 def rough_start(inputs: Inputs, options: ReconstructOptions, initial: wp.array) -> wp.array:
     """Return the initial volume, or front times side for one view, made uneven and balanced."""
-    looks = inputs.images
-    if inputs.side is None:
-        volume = wp.clone(initial)
+    looks = inputs.images if inputs.side is None else np.stack([inputs.images[0], inputs.side])
+    if inputs.side is None or options.start != "lsm":
+        volume = vectors.multiply(initial, inputs.support, out=wp.empty_like(initial))
     else:
-        looks = np.stack([inputs.images[0], inputs.side])
         volume = _product(inputs, looks, options.footprint)
     if options.start_noise > 0:
         roughen(volume, inputs, options, amplitude=options.start_noise)
