@@ -78,8 +78,8 @@ def write_sheet(
     """
     from warpfluid.files.images import write_png
 
-    places = np.unique(np.linspace(0, len(frames) - 1, SHEET_FRAMES + 2).round().astype(int))
-    shown = [frames[place] for place in places[1:-1]] or list(frames)
+    middles = (np.arange(SHEET_FRAMES) + 0.5) / SHEET_FRAMES * len(frames)
+    shown = [frames[place] for place in np.unique(middles.astype(int))]
     rows = []
     for entry in entries:
         stills = [picture for frame in shown for picture in render_turntable(entry.volume(frame), angles_deg, look)]
