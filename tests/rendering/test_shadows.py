@@ -98,3 +98,21 @@ def test_albedo_is_a_share():
     )
     with pytest.raises(ValueError, match="albedo"):
         light_volume(medium, Lighting())
+
+
+def test_fire_lights_smoke():
+    """A small fire in thin smoke is a lamp: intensity / (4 pi r^2) of mean radiance; dense smoke hides it."""
+    shape = (48, 48, 48)
+    field, flame = np.full(shape, 1.0, np.float32), np.zeros(shape, np.float32)
+    flame[22:26, 22:26, 22:26] = 1
+    fields = {"density": wp.array(field), "flame": wp.array(flame)}
+    emission, albedo = Curve("flame", 1.0, [[0, 0, 0], [5, 2, 0]]), Curve("density", 1.0, [0.0])
+    found = []
+    for extinction in (1e-5, 0.1):
+        medium = Medium(
+            fields=fields, emission=emission, albedo=albedo, extinction=Curve("density", 1.0, [0, extinction])
+        )
+        found.append(light_volume(medium, Lighting()).ambient.numpy()[42, 24, 24])
+    distance = 42 - 23.5
+    np.testing.assert_allclose(found[0], np.array([5, 2, 0]) * 64 / (4 * np.pi * distance**2), rtol=0.1)
+    assert 0.8 * np.exp(-0.1 * distance) < found[1][0] / found[0][0] < np.exp(-0.1 * (distance - 8))

@@ -1,4 +1,4 @@
-"""Surfaces where the projector would put them, lit by closed forms, hidden by what is before them and hiding the rest."""
+"""Surfaces where the projector would put them, lit by closed forms, before what they hide."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import warp as wp
 
 from warpfluid.projector import Projector
 from warpfluid.rendering.camera import look_at, orthographic, perspective
-from warpfluid.rendering.fires import find_fires
+from warpfluid.rendering.fires import ball_escape, find_fires
 from warpfluid.rendering.harmonics import sky, uniform
 from warpfluid.rendering.lighting import Lighting, Sun
 from warpfluid.rendering.marching import march
@@ -192,7 +192,7 @@ def test_fire_lights_the_ground():
     glow[14:18, 14:18, 16:20] = 1.0
     medium = smoke(glow, 0.0, 0.0, emission=[0, 3.0])
     fires = find_fires(medium)
-    assert fires.colors.sum(axis=0)[0] == pytest.approx(3 * 64, rel=1e-3)
+    assert fires.escaping.sum(axis=0)[0] == pytest.approx(3 * 64, rel=1e-3)
     camera = orthographic(SHAPE, 0, 90, size=(100, 100), zoom=0.3)
     seen = see([], camera, Lighting(), ground=Ground(SHAPE, (1, 1, 1)), fires=fires)
     away = np.array([40.0, 0.0, 0.0])
@@ -200,6 +200,19 @@ def test_fire_lights_the_ground():
     height = 18.0
     expected = 192 * height / (height**2 + 1600) ** 1.5 / np.pi
     assert seen.color[round(row), round(column), 0] == pytest.approx(expected, rel=0.06)
+
+
+def test_fires_are_few():
+    """At most 24 lamps, and none of their light is lost; none where nothing glows."""
+    glow = np.random.default_rng(0).random(SHAPE)
+    medium = smoke(glow, emission=[[0, 0, 0], [3, 2, 0]])
+    fires = find_fires(medium)
+    assert len(fires.places) == 24
+    np.testing.assert_allclose(fires.colors.sum(axis=0), glow.sum() * np.array([3, 2, 0]), rtol=1e-4)
+    assert not len(find_fires(smoke(glow)).places)
+    escape = ball_escape(np.array([0.0, 0.049, 0.051, 1.0, 30.0]))
+    np.testing.assert_allclose(escape, [1, 0.964, 0.963, 0.527, 0.02499], atol=1e-3)
+    assert not len(find_fires(smoke(0 * glow, emission=[0, 1])).places)
 
 
 def test_normals_are_smooth_or_sharp():

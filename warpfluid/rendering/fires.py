@@ -10,7 +10,8 @@ from warpfluid.kernels.curves import look_up
 from warpfluid.rendering.medium import Curve, Medium
 
 CELLS = 5  # lamps along the longest side of a box, at most
-FAINTEST = 0.005  # of all light; lamps below give theirs to the others
+MOST = 24  # lamps
+FAINTEST = 0.005  # of all light; lamps below, or beyond the most, give theirs to the others
 
 
 @dataclass(frozen=True)
@@ -19,40 +20,56 @@ class Fires:
 
     Attributes:
         places: Where they are (x, y, z), and half the width of what each stands for [voxel], shape (n, 4).
-        colors: Radiance times the volume that glows [radiance voxel^2], shape (n, 3).
+        colors: Radiant intensities where their light leaves what they stand for [radiance voxel^2], shape (n, 3).
+        escaping: The same where it leaves the volume, shape (n, 3).
     """
 
     places: np.ndarray
     colors: np.ndarray
+    escaping: np.ndarray
 
     @classmethod
     def none(cls) -> "Fires":
         """Return no lamps."""
-        return cls(np.zeros((0, 4)), np.zeros((0, 3)))
+        return cls(np.zeros((0, 4)), np.zeros((0, 3)), np.zeros((0, 3)))
 
 
-def find_fires(medium: Medium, open: np.ndarray | None = None, factor: int = 2) -> Fires:
+def find_fires(
+    medium: Medium, *, extinction: np.ndarray | None = None, open: np.ndarray | None = None, factor: int = 2
+) -> Fires:
     """Gather the light that a medium gives off into lamps.
 
     Args:
         medium: What fills the volume.
-        open: How much of the glow gets out, on a coarse lattice, shape (x, z, y); all of it when omitted.
+        extinction: Its extinction on a coarse lattice, shape (x, z, y) [1/voxel]; none when omitted.
+        open: Share of directions that are open, on that lattice; all when omitted.
         factor: Voxels along an edge of one of that lattice.
     """
     if medium.emission is None:
         return Fires.none()
     glow = _glow(medium, medium.emission, factor) * factor**3
-    if open is not None:
-        glow *= open
     step = -(-max(glow.shape[1:]) // CELLS)
-    lamps, middles = _gather(glow, step)
+    lamps, means = _gather(glow, step, [np.zeros(1) if extinction is None else extinction, 1 if open is None else open])
     brightness = lamps.sum(axis=1)
-    kept = brightness > FAINTEST * brightness.sum()
-    if not kept.any():
+    kept = np.argsort(-brightness, kind="stable")[:MOST]
+    kept = kept[brightness[kept] > FAINTEST * brightness.sum()]
+    if not kept.size:
         return Fires.none()
-    colors = lamps[kept] * (brightness.sum() / brightness[kept].sum())
-    x, z, y = (factor * (middles[kept] + 0.5) - 0.5).T
-    return Fires(np.stack([x, y, z, np.full(len(x), factor * step / 2)], axis=1), colors)
+    colors = lamps[kept] * (lamps.sum(axis=0) / np.maximum(lamps[kept].sum(axis=0), 1e-30))
+    (x, z, y), radius = factor * (means[kept, :3].T + 0.5) - 0.5, factor * step / 2
+    places = np.stack([x, y, z, np.full(len(x), radius)], axis=1)
+    return Fires(places, colors * ball_escape(means[kept, 3:4] * radius), colors * means[kept, 4:5])
+
+
+def ball_escape(depth: np.ndarray) -> np.ndarray:
+    """Return the share of light that leaves a ball which glows evenly (Osterbrock and Ferland, Appendix 2).
+
+    Args:
+        depth: Optical depth from its middle to its surface.
+    """
+    thick = np.maximum(depth, 0.05)
+    exact = 3 / (4 * thick) * (1 - 1 / (2 * thick**2) + (1 / thick + 1 / (2 * thick**2)) * np.exp(-2 * thick))
+    return np.where(depth < 0.05, 1 - 0.75 * depth, exact)
 
 
 def _glow(medium: Medium, curve: Curve, factor: int) -> np.ndarray:
@@ -68,17 +85,16 @@ def _glow(medium: Medium, curve: Curve, factor: int) -> np.ndarray:
     return np.stack(parts if len(parts) == 3 else parts * 3)
 
 
-def _gather(glow: np.ndarray, step: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the total (n, 3) and the middle (n, 3) of the light in cubes of a lattice."""
-    padded = np.pad(glow, [(0, 0), *((0, -n % step) for n in glow.shape[1:])])
-    places = np.indices(padded.shape[1:], np.float32)
-    total = padded.sum(axis=0)
-    sums = [_add_cubes(part, step) for part in (*padded, total, *(places * total))]
+def _gather(glow: np.ndarray, step: int, fields: list) -> tuple[np.ndarray, np.ndarray]:
+    """Return the total light (n, 3) in cubes of a lattice, and the means of x, z, y and some fields by light (n, m)."""
+    total, places = glow.sum(axis=0), np.indices(glow.shape[1:], np.float32)
+    sums = [_add_cubes(part, step) for part in (*glow, total, *(field * total for field in (*places, *fields)))]
     weight = np.maximum(sums[3], 1e-30)
-    return np.stack(sums[:3], axis=-1).reshape(-1, 3), np.stack([s / weight for s in sums[4:]], axis=-1).reshape(-1, 3)
+    return np.stack(sums[:3], axis=-1), np.stack([part / weight for part in sums[4:]], axis=-1)
 
 
 def _add_cubes(values: np.ndarray, step: int) -> np.ndarray:
-    """Add up cubes of a lattice."""
-    split = [part for n in values.shape for part in (n // step, step)]
-    return values.reshape(split).sum(axis=(1, 3, 5), dtype=np.float64)
+    """Add up cubes of a lattice, one number each."""
+    padded = np.pad(values, [(0, -n % step) for n in values.shape])
+    split = [part for n in padded.shape for part in (n // step, step)]
+    return padded.reshape(split).sum(axis=(1, 3, 5), dtype=np.float64).reshape(-1)

@@ -67,9 +67,7 @@ def light_volume(medium: Medium, lighting: Lighting, *, fine: bool = False) -> I
     shadows = cast_shadows(extinction, lighting.suns, factor=1 if fine else _factor(extinction.shape, SHADOW_VOXELS))
     factor = max(2, _factor(extinction.shape, SKY_VOXELS))
     light = gather_sky(extinction, lighting.ambient, factor=factor)
-    fires = find_fires(medium, light[3].numpy(), factor)
-    if len(fires.places):
-        _add_fires(coarsen(extinction, factor=factor), fires, factor, light)
+    fires = _light_fires(medium, extinction, factor, light)
     albedo = medium.albedo or Curve(next(iter(medium.fields)), 1.0, np.zeros(1))
     if albedo.times:
         raise ValueError(f"albedo is multiplied by {albedo.times}, but it is a share: use its entries alone")
@@ -146,9 +144,13 @@ def gather_sky(extinction: wp.array, ambient: np.ndarray, *, factor: int) -> wp.
     return light
 
 
-def _add_fires(coarse: wp.array, fires: Fires, factor: int, light: wp.array) -> None:
-    """Add what fires send to the voxels of a coarse lattice; it is found on a still coarser one."""
-    further, device = _factor(coarse.shape, FIRE_VOXELS), coarse.device
+def _light_fires(medium: Medium, extinction: wp.array, factor: int, light: wp.array) -> Fires:
+    """Return the fires, and add what they send to the voxels of a coarse lattice; it is found on a coarser one."""
+    if medium.emission is None:
+        return Fires.none()
+    coarse, device = coarsen(extinction, factor=factor), extinction.device
+    fires = find_fires(medium, extinction=coarse.numpy(), open=light[3].numpy(), factor=factor)
+    further = _factor(coarse.shape, FIRE_VOXELS)
     places = fires.places[:, [0, 2, 1, 3]] + [0.5, 0.5, 0.5, 0]
     places = places / (factor * further) - [0.5, 0.5, 0.5, 0]
     lit = light_of_lamps(
@@ -159,6 +161,7 @@ def _add_fires(coarse: wp.array, fires: Fires, factor: int, light: wp.array) -> 
     )
     for channel in range(3):
         refine(lit[channel], factor=further, out=light[4 + channel])
+    return fires
 
 
 def _swapped(direction: np.ndarray) -> tuple[float, float, float]:

@@ -191,7 +191,7 @@ def _set_light(stage: Stage, lighting: Lighting, inner: InnerLight | None, fires
         "sun_directions": [sun.direction for sun in suns],
         "sun_colors": [sun.color for sun in suns],
         "sky": COSINE[:, None] * lighting.ambient,
-        "fire_colors": fires.colors,
+        "fire_colors": fires.escaping,
     }
     for name, values in vectors.items():
         setattr(stage, name, wp.array(np.reshape(values, (-1, 3)), dtype=wp.vec3, device=device))
