@@ -1,63 +1,18 @@
 """The report: sound HTML, all in one file, nothing from strangers executed, every picture whole."""
 
-import base64
-import io
 import re
-from html.parser import HTMLParser
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from PIL import Image
+from sound import Page
 
-from warpfluid.report import charts, html
-from warpfluid.report.data import FrameReport, InputReport, ReportData
+from warpfluid.report import html
+from warpfluid.report.data import FrameReport, InputReport, ReportData, SeriesReport
 from warpfluid.report.page import html_report, write_report
 
-VOID = {"meta", "img", "br", "hr"}
 EVIL = """<script>alert("1")</script>' onerror="x" & $body"""
-
-
-class Page(HTMLParser):
-    """The tags of a page, checked to be balanced."""
-
-    def __init__(self, text):
-        super().__init__(convert_charrefs=True)
-        self.open, self.tags, self.words = [], [], []
-        self.feed(text)
-        self.close()
-        assert not self.open, f"never closed: {self.open}"
-
-    def handle_starttag(self, tag, attrs):
-        self.tags.append((tag, dict(attrs)))
-        if tag not in VOID:
-            self.open.append(tag)
-
-    def handle_startendtag(self, tag, attrs):
-        self.tags.append((tag, dict(attrs)))
-
-    def handle_endtag(self, tag):
-        assert self.open, f"</{tag}> closes nothing"
-        assert self.open.pop() == tag
-
-    def handle_data(self, data):
-        self.words.append(data)
-
-    def images(self):
-        """The decoded pictures of the page, by their alternative text."""
-        pictures = {}
-        for tag, attrs in self.tags:
-            if tag == "img":
-                kind, data = re.fullmatch(r"data:image/(\w+);base64,([\w+/=]+)", attrs["src"]).groups()
-                with Image.open(io.BytesIO(base64.b64decode(data))) as picture:
-                    assert picture.format.lower() == kind
-                    frames = []
-                    for i in range(getattr(picture, "n_frames", 1)):
-                        picture.seek(i)
-                        frames.append(np.array(picture))
-                pictures[attrs["alt"]] = frames
-        return pictures
 
 
 def pictures(*shape, seed=0):
@@ -74,6 +29,7 @@ def full_report(name="fire"):
         stills={"LSM": pictures(3, 6, 5, 3), name: pictures(3, 6, 5, 3, seed=1)},
         slices={name: pictures(5, 11, 3)},
         slices_white=2.0,
+        fields={f"{name}, 0 to 2": pictures(6, 5, 3)},
         energies=np.array([[4e6, 2e6], [3e6, 1e6]]),
         metrics={"LSM": numbers, name: better, "nearby": {"patch_swd": 0.01}},
         seconds=3.21,
@@ -87,7 +43,11 @@ def full_report(name="fire"):
         check_table=[{"view": name, "shift": -0.5}, {"view": "side", "shift": None}],
         frames=[frame],
         metrics={name: better},
+        metrics_note=name,
         yardsticks=["nearby"],
+        series=[SeriesReport(title=name, values={name: {1: 2.0, 2: 3.0}, "b": {1: 2.5, 2: 2.0}}, unit=name)],
+        facts={name: [{"thing": name, "number": 2}]},
+        origin=name,
         turntable=pictures(4, 6, 5, 3),
         options={"blur": 0.4, name: name, "angles": 180},
         defaults={"blur": 0.4, name: "x", "angles": None},
@@ -134,7 +94,7 @@ def test_pictures_are_whole():
             np.testing.assert_array_equal(shown[f"{name} at {angle}°"][0], still)
     np.testing.assert_array_equal(shown["horizontal slices, fire"][0], frame.slices["fire"])
     assert len(shown["turntable of the result"]) == 4
-    assert len(shown) == 1 + 6 + 1 + 1
+    assert len(shown) == 1 + 6 + 1 + 1 + 1
 
 
 def test_the_best_method_is_marked_but_not_by_what_is_tuned():
@@ -187,36 +147,6 @@ def test_input_angles_are_marked_and_the_total_is_added_up():
     text = html_report(full_report())
     assert re.findall(r'class="angle">([^/]+)</', text) == ["0°", "45°", "90° <b>input"]
     assert "<b>2.5 s</b>" in text
-
-
-@given(
-    st.lists(st.tuples(*[st.floats(1e-12, 1e18)] * 2), min_size=1, max_size=12).map(np.array),
-)
-def test_energy_is_drawn_to_scale(energies):
-    """Points stand in order, higher for more energy, in proportion to its logarithm, inside the frame."""
-    svg = charts.energy_chart(energies)
-    Page(svg)
-    found = re.findall(r'<circle class="(\w)" cx="([\d.]+)" cy="([\d.]+)" r="4"><title>', svg)
-    assert [step for step, _, _ in found] == ["m", "e"] * len(energies)
-    x, y = np.array([[float(a), float(b)] for _, a, b in found]).T
-    assert (np.diff(x) > 0).all()
-    top, bottom = charts.TOP, charts.TOP + charts.HEIGHT
-    assert y.min() >= top - 0.1
-    assert y.max() <= bottom + 0.1
-    lines = np.array(re.findall(r'y1="([\d.]+)"', svg), float)
-    decades = np.log10(charts._log_ticks(energies.min(), energies.max()))
-    slope = (lines[-1] - lines[0]) / (decades[-1] - decades[0])
-    wanted = lines[0] + slope * (np.log10(energies.ravel()) - decades[0])
-    np.testing.assert_allclose(y, wanted, atol=0.2)
-
-
-def test_energies_that_have_no_logarithm_are_left_out():
-    """Zeros and broken values leave gaps; with nothing left there is no chart."""
-    svg = charts.energy_chart(np.array([[4.0, 0.0], [np.nan, 1.0]]))
-    assert svg.count("<title>") == 2
-    assert charts.energy_chart(np.zeros((3, 2))) == ""
-    with pytest.raises(ValueError, match=r"\(4,\); \(iteration, 2\)"):
-        charts.energy_chart(np.ones(4))
 
 
 @pytest.mark.parametrize(
