@@ -17,7 +17,8 @@ class CompareOptions:
         "Angles of unseen views, such as 30,45,60 [degree]; by default every 15 but those near a given view",
     ] = None
     look: Annotated[
-        Literal["fire", "smoke", "gray", "jet"] | None, "Colours of film and sheet; by default those of the first"
+        Literal["fire", "smoke", "explosion", "blackbody", "water", "gray", "jet"] | None,
+        "Colours of film and sheet; by default those of the first",
     ] = None
     fps: Annotated[float, "Pictures a second of the film"] = 24.0
     start_angle: Annotated[float, "Where the camera begins [degree]"] = 0.0
