@@ -6,14 +6,15 @@ import warp as wp
 
 from warpfluid.projector import Projector
 from warpfluid.rendering.camera import look_at, orthographic, perspective
+from warpfluid.rendering.composing import render
 from warpfluid.rendering.fires import ball_escape, find_fires
-from warpfluid.rendering.harmonics import sky, uniform
+from warpfluid.rendering.harmonics import irradiance, sky, uniform
 from warpfluid.rendering.lighting import Lighting, Sun
 from warpfluid.rendering.marching import march
 from warpfluid.rendering.medium import Curve, Medium
 from warpfluid.rendering.normals import corner_normals
 from warpfluid.rendering.shadows import light_volume
-from warpfluid.rendering.surfaces import Ground, Surface, render, see
+from warpfluid.rendering.surfaces import Ground, Surface, see
 from warpfluid.rendering.turntable import render_turntable
 from warpfluid.simulation.triangles import box_surface, turned_surface
 
@@ -100,6 +101,15 @@ def test_white_body_in_the_furnace(device):
     for camera in (camera_at(20), camera_at(70, elevation=50)):
         seen = see([ball(8, MIDDLE)], camera, FURNACE, device=device)
         np.testing.assert_allclose(seen.color[seen.cover == 1], 1, atol=1e-4)
+
+
+def test_sky_on_each_side():
+    """The irradiance of the harmonics, over pi."""
+    ambient = np.random.default_rng(0).uniform(-0.1, 0.1, (9, 3)) + uniform((1, 2, 3))
+    for angle, elevation in ((0, 0), (90, 0), (180, 0), (270, 0), (0, 90), (0, -90)):
+        camera = camera_at(angle, 1, elevation)
+        seen = see([box((9, 9, 9), MIDDLE)], camera, Lighting((), ambient))
+        np.testing.assert_allclose(seen.color[11, 15], irradiance(ambient, -camera.forward) / np.pi, rtol=1e-5)
 
 
 def test_a_sun_on_a_ball():

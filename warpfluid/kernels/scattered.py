@@ -4,7 +4,7 @@ Light that is scattered at a voxel leaves the volume with the probability P, the
 or meets matter again, nearby, where the light is much the same. If that goes on, a mean incoming radiance of J, before
 any scattering, becomes ``J / (1 - albedo (1 - P))``: the closure of Lucy et al. (1991) and of Varosi and Dwek (1999).
 In uniform light of radiance L, J is P L, so with an albedo of 1 the light within is L everywhere, which is exact. For
-suns and fires the gain is held to that deep in a half-space (Chandrasekhar 1960): P does not know what leaves their way.
+suns and fires the gain is held to that deep in a half-space (Chandrasekhar 1960): P knows not what leaves their way.
 """
 
 import math

@@ -9,6 +9,7 @@ import warp as wp
 from warpfluid.options import RenderOptions
 from warpfluid.options.keys import Keyed
 from warpfluid.rendering.camera import Camera
+from warpfluid.rendering.composing import render
 from warpfluid.rendering.display import decode_srgb, develop, encode_srgb
 from warpfluid.rendering.lamps import Lamps
 from warpfluid.rendering.lighting import Lighting
@@ -16,10 +17,11 @@ from warpfluid.rendering.look_files import read_look
 from warpfluid.rendering.looks import Look
 from warpfluid.rendering.marching import march
 from warpfluid.rendering.medium import Curve, Medium
+from warpfluid.rendering.motion_blur import mean_picture, moments
 from warpfluid.rendering.picture import Picture
 from warpfluid.rendering.ramps import RAMPS, apply_ramp
 from warpfluid.rendering.shadows import InnerLight, light_volume
-from warpfluid.rendering.surfaces import Ground, Surface, render
+from warpfluid.rendering.surfaces import Ground, Surface
 
 WHITE = 255.0
 BRIGHTEST = 1e6  # grey level to which the sum is one straight line
@@ -33,12 +35,14 @@ class Lit:
     Attributes:
         medium: What fills the volume.
         lighting: What is around it.
-        inner: What of that reaches each voxel; None where nothing scatters.
+        inner: What of that reaches each voxel; None where nothing is hidden.
+        moments: The medium at moments while the shutter is open; one without motion blur.
     """
 
     medium: Medium
     lighting: Lighting
     inner: InnerLight | None
+    moments: tuple[Medium, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +54,7 @@ class Studio:
         lamps: The light.
         look: What numbers look like; None for the mode ``sum``.
         ramp: Name of the colour ramp of that mode.
+        rate: Frames a second, by which velocity becomes motion blur.
         device: Where pictures are made.
     """
 
@@ -57,6 +62,7 @@ class Studio:
     lamps: Lamps
     look: Look | None
     ramp: str
+    rate: float = 24.0
     device: wp.Device | str = "cpu"
     _last: list = field(default_factory=list)
 
@@ -79,7 +85,7 @@ class Studio:
             return self._last[1]
         medium = self._medium(fields)
         inner = light_volume(medium, lighting) if self.options.mode == "lit" and medium.extinction else None
-        lit = Lit(medium, lighting, inner)
+        lit = Lit(medium, lighting, inner, self._moments(medium, fields))
         self._last[:] = [fields, lit]
         return lit
 
@@ -93,7 +99,7 @@ class Studio:
             outlines: Vertices (x, y, z) and triangles of what stands in the volume; the mode ``sum`` ignores it.
         """
         if self.look is None:
-            picture = march(lit.medium, camera, error=self.options.error)
+            picture = mean_picture(march(medium, camera, error=self.options.error) for medium in lit.moments)
             grey = (picture.density / WHITE)[..., None].repeat(3, axis=2)
             return replace(picture, color=grey, emission=grey)
         options = self.lamps.options
@@ -101,7 +107,8 @@ class Studio:
         surfaces = [Surface(vertices, triangles, color) for vertices, triangles in outlines]
         ground = Ground(lit.medium.shape, tuple(Keyed(options.ground_color, 3).at(number))) if options.ground else None
         things = {"surfaces": surfaces, "ground": ground, "error": self.options.error}
-        return render(lit.medium, camera, lit.lighting, lit.inner, **things)
+        shots = (render(medium, camera, lit.lighting, lit.inner, **things) for medium in lit.moments)
+        return next(shots) if len(lit.moments) == 1 else mean_picture(shots)
 
     def screen(self, picture: Picture, number: float) -> np.ndarray:
         """Return the values of a screen, 0 to 1, shape (rows, columns, 3).
@@ -130,8 +137,20 @@ class Studio:
         arrays = {name: _array(grid, self.device) for name, grid in grids.items()}
         return self.look.medium(arrays, edge_fade=self.options.edge_fade)
 
+    def _moments(self, medium: Medium, fields: Mapping[str, np.ndarray]) -> tuple[Medium, ...]:
+        """Return the medium as it moves while the shutter is open; the light within it stays that of the frame."""
+        shutter = self.options.motion_blur
+        if not shutter:
+            return (medium,)
+        velocity = np.moveaxis(fields["velocity"], 3, 0) / np.float32(self.rate)
+        parts = tuple(_array(part, self.device) for part in velocity)
+        carried = moments(medium.fields, parts, shutter=shutter, samples=self.options.blur_samples)
+        return tuple(replace(medium, fields=moment) for moment in carried)
 
-def make_studio(options: RenderOptions, lamps: Lamps, usual_look: str, device: wp.Device | str) -> Studio:
+
+def make_studio(
+    options: RenderOptions, lamps: Lamps, usual_look: str, device: wp.Device | str, *, rate: float = 24.0
+) -> Studio:
     """Return a studio for options.
 
     Args:
@@ -139,6 +158,7 @@ def make_studio(options: RenderOptions, lamps: Lamps, usual_look: str, device: w
         lamps: The light.
         usual_look: Where none is asked for.
         device: Where pictures are made.
+        rate: Frames a second of the velocity.
 
     Raises:
         ValueError: If there is no such look, or its file is wrong.
@@ -148,11 +168,11 @@ def make_studio(options: RenderOptions, lamps: Lamps, usual_look: str, device: w
     if options.mode == "sum":
         if name not in RAMPS:
             raise ValueError(f"look is {name!r}, but the mode sum knows {', '.join(RAMPS)}")
-        return Studio(options=options, lamps=lamps, look=None, ramp=name, device=device)
+        return Studio(options=options, lamps=lamps, look=None, ramp=name, rate=rate, device=device)
     look = read_look(name).with_bias(options.bias).scaled(opacity=options.thickness, emission=options.glow)
     if options.anisotropy is not None:
         look = replace(look, anisotropy=options.anisotropy)
-    return Studio(options=options, lamps=lamps, look=look, ramp="gray", device=device)
+    return Studio(options=options, lamps=lamps, look=look, ramp="gray", rate=rate, device=device)
 
 
 def stand_ins(look: Look, there: Sequence[str]) -> list[str]:
