@@ -6,8 +6,7 @@ World coordinates are index coordinates (x, y, z): voxel centres are whole numbe
 import numpy as np
 
 from warpfluid.preview.surroundings import Solid
-from warpfluid.preview.transfer import Transfer
-from warpfluid.rendering.ramps import apply_ramp
+from warpfluid.rendering.ramps import RAMPS, apply_ramp
 
 ARROWS = 500  # about so many are drawn
 LINES = 160
@@ -30,33 +29,56 @@ def image_grid(values: np.ndarray, name: str, edge: np.ndarray | float = 1.0, or
     return grid
 
 
-def volume(density: np.ndarray, transfer: Transfer, *, quick: bool = False):
-    """Return the lit part of a volume, drawn ray by ray; with ``quick`` coarser while it is moved."""
+def volume(density: np.ndarray, look: str, *, white: float = 255.0, quick: bool = False):
+    """Return the lit part of a volume, its light added up along every ray and coloured, as the turntable does.
+
+    VTK can add up light, but leaves the sum grey; a few lines put at the end of its shader colour it. The light is
+    added to what is behind.
+
+    Args:
+        density: Shape (x, z, y).
+        look: Name of a colour ramp.
+        white: Ray sum that is the brightest colour.
+        quick: Draw coarser while the camera moves.
+    """
     import vtkmodules.vtkRenderingVolumeOpenGL2 as vtk_volumes
     from vtkmodules.vtkCommonDataModel import vtkPiecewiseFunction
-    from vtkmodules.vtkRenderingCore import vtkColorTransferFunction, vtkVolume, vtkVolumeProperty
+    from vtkmodules.vtkRenderingCore import vtkVolume, vtkVolumeProperty
 
-    colors, opacity = vtkColorTransferFunction(), vtkPiecewiseFunction()
-    for level, color, hidden in zip(transfer.levels, transfer.colors, transfer.opacities, strict=True):
-        colors.AddRGBPoint(level, *color)
-        opacity.AddPoint(level, hidden)
-    drawing = vtkVolumeProperty()
-    drawing.SetColor(colors)
-    drawing.SetScalarOpacity(opacity)
-    drawing.SetScalarOpacityUnitDistance(1.0)
+    low, high = _lit(density)
+    inside = np.pad(density[tuple(map(slice, low, high))], 1)  # VTK counts from the smallest value: let it be 0
+    full, drawing = vtkPiecewiseFunction(), vtkVolumeProperty()
+    full.AddPoint(0.0, 1.0)
+    drawing.SetScalarOpacity(full)
     drawing.SetInterpolationTypeToLinear()
     drawing.ShadeOff()
-    mapper = vtk_volumes.vtkSmartVolumeMapper()
-    low, high = _lit(density)
-    inside = density[tuple(map(slice, low, high))]
-    mapper.SetInputData(image_grid(inside, "density", origin=low[[0, 2, 1]]))
-    mapper.SetBlendModeToComposite()
+    mapper = vtk_volumes.vtkOpenGLGPUVolumeRayCastMapper()
+    mapper.SetInputData(image_grid(inside, "density", origin=low[[0, 2, 1]] - 1))
+    mapper.SetBlendModeToAdditive()
     mapper.SetAutoAdjustSampleDistances(quick)
     mapper.SetSampleDistance(SAMPLE)
     made = vtkVolume()
     made.SetMapper(mapper)
     made.SetProperty(drawing)
+    colouring = _colouring(RAMPS[look], float(inside.max()) / white)
+    made.GetShaderProperty().AddFragmentShaderReplacement("//VTK::Shading::Exit", True, colouring, False)
     return made
+
+
+def _colouring(stops: dict[float, tuple[int, int, int]], gain: float) -> str:
+    """Return the end of VTK's shader: from a sum of values between 0 and 1 to its colour in a ramp."""
+    count = len(stops)
+    levels = ", ".join(f"{grey / 255:.6f}" for grey in stops)
+    colours = ", ".join(f"vec3({r / 255:.6f}, {g / 255:.6f}, {b / 255:.6f})" for r, g, b in stops.values())
+    return f"""
+  float level = clamp(l_sumValue.x * in_sampleDistance * {gain:.8e}, 0.0, 1.0);
+  float stops[{count}] = float[{count}]({levels});
+  vec3 colours[{count}] = vec3[{count}]({colours});
+  vec3 seen = colours[0];
+  for (int i = 0; i + 1 < {count}; ++i)
+    seen = mix(seen, colours[i + 1], clamp((level - stops[i]) / (stops[i + 1] - stops[i]), 0.0, 1.0));
+  g_fragColor = vec4(seen, 0.0);
+"""
 
 
 def slices(density: np.ndarray, height: float, top: float):
@@ -190,7 +212,7 @@ def _lit(density: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the corners (x, z, y) of what is lit, with a voxel about it where there is room."""
     places = [np.flatnonzero(density.any(axis=other)) for other in ((1, 2), (0, 2), (0, 1))]
     ends = np.array([(p[0], p[-1]) if p.size else (0, 0) for p in places])
-    return np.maximum(ends[:, 0] - 1, 0), np.minimum(ends[:, 1] + 3, density.shape)
+    return np.maximum(ends[:, 0] - 1, 0), np.minimum(ends[:, 1] + 2, density.shape)
 
 
 def _vectors(upright: np.ndarray) -> np.ndarray:

@@ -10,7 +10,6 @@ from warpfluid.options.preview import PARTS
 from warpfluid.preview import parts
 from warpfluid.preview.scene import Scene
 from warpfluid.preview.surroundings import find_footage, find_solids
-from warpfluid.preview.transfer import match_look
 from warpfluid.rendering.ramps import RAMPS
 
 KEYS = {"v": "volume", "s": "slices", "a": "arrows", "l": "streamlines", "i": "pictures", "b": "bodies", "o": "box"}
@@ -50,7 +49,8 @@ class Window:
         self.shown, self.look, self.exposure = set(options.parts), scene.look, scene.exposure
         self.slice_height, self.playing, self.index = 0.35, False, scene.frames.index(scene.middle)
         self._camera = (scene.angle_deg, ELEVATION_DEG if scene.elevation_deg is None else scene.elevation_deg)
-        self._transfers, self._names, self._lacking = {}, {}, set()
+        self._names: dict[str, list[str]] = {}
+        self._lacking: set[str] = set()
         self._fields: tuple[int, dict[str, np.ndarray]] = (-1, {})
         self._shot = self._solids = self._slider = None
         self.plotter = pyvista.Plotter(off_screen=off_screen, window_size=options.window_size, lighting="three lights")
@@ -114,11 +114,7 @@ class Window:
             return []
 
     def _add_volume(self) -> list[str]:
-        gain = 2.0**self.exposure
-        if (self.look, gain) not in self._transfers:
-            sample = self.scene.volumes.density(self.scene.middle)
-            self._transfers[self.look, gain] = match_look(sample, self.look, white=255 / gain)
-        actor = parts.volume(self.density, self._transfers[self.look, gain], quick=self.on_screen)
+        actor = parts.volume(self.density, self.look, white=255 / 2**self.exposure, quick=self.on_screen)
         self.plotter.add_actor(actor, name="volume", reset_camera=False)
         return ["volume"]
 

@@ -1,0 +1,248 @@
+"""The page: one file without a network, names that stay names, and in a browser the paper's ray sums."""
+
+import json
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from chromium import DRAWN, PROGRAM, Browser
+
+from warpfluid.files.npz import write_npz
+from warpfluid.options import PreviewOptions
+from warpfluid.preview import packing
+from warpfluid.preview.page import write_page
+from warpfluid.preview.scene import open_scene
+from warpfluid.projector import Projector
+from warpfluid.rendering.ramps import RAMPS, apply_ramp
+from warpfluid.rendering.turntable import render_turntable
+
+TURN = [0, 35, -135]
+EVIL = "<!--<script>alert('1')</script>' onerror=x & ${body} $title"
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory, fire):
+    """A page of two frames of a fire, and the volumes."""
+    folder = tmp_path_factory.mktemp("page")
+    volumes = {1001: fire, 1002: np.roll(fire, 5, axis=0)}
+    for frame, volume in volumes.items():
+        write_npz(folder / f"fire.{frame}.npz", volume.swapaxes(1, 2), frame=frame)
+    scene = open_scene(folder, PreviewOptions(look="fire"))
+    path = folder / "page.html"
+    write_page(path, scene, budget=20.0)
+    scale = scene.volumes.scale
+    return path, {frame: volume * np.float32(scale) for frame, volume in volumes.items()}
+
+
+class Tags(HTMLParser):
+    """The tags of a page and the texts in some of them."""
+
+    def __init__(self, text):
+        super().__init__(convert_charrefs=True)
+        self.tags, self.texts = [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+
+    def handle_data(self, data):
+        self.texts.append((self.tags[-1][0] if self.tags else None, data))
+
+
+def told(path) -> dict:
+    """What the page's script is told."""
+    text = path.read_text("utf-8")
+    return json.loads(re.search(r'id="scene">(.*?)</script>', text, re.DOTALL)[1])
+
+
+def test_nothing_is_fetched(page):
+    """No address of another place is in the page, and its policy forbids all of them."""
+    path, _ = page
+    text = path.read_text("utf-8")
+    assert not re.search(r"https?:|url\(|@import|src=(?!\"data:)", text)
+    tags = Tags(text).tags
+    (policy,) = [a["content"] for tag, a in tags if a.get("http-equiv") == "Content-Security-Policy"]
+    assert policy.startswith("default-src 'none'")
+    assert not {tag for tag, _ in tags} & {"link", "iframe", "object"}
+
+
+def test_volumes_in_the_page_are_those_of_the_run(page):
+    """Every frame unpacks to its density, at its place in the box."""
+    path, volumes = page
+    scene = told(path)
+    texts = re.findall(r'class="frame">([^<]+)<', path.read_text("utf-8"))
+    assert scene["frames"] == list(volumes)
+    nx, ny, nz = scene["cells"]
+    peak = max(volume.max() for volume in volumes.values())
+    for text, volume in zip(texts, volumes.values(), strict=True):
+        part = packing.unpack(text, (nx, nz, ny), peak)
+        low = np.rint(np.array(scene["low"]) + np.array([volume.shape[i] for i in (0, 2, 1)]) / 2).astype(int)
+        whole = np.zeros(volume.shape, np.float32)
+        whole[low[0] : low[0] + nx, low[2] : low[2] + nz, low[1] : low[1] + ny] = part
+        np.testing.assert_allclose(np.sqrt(whole), np.sqrt(volume), atol=0.51 / 255 * np.sqrt(peak))
+    halves = np.array(scene["table"], np.uint16).view(np.float16).astype(float) * scene["peak"]
+    np.testing.assert_allclose(halves, (np.arange(256) / 255) ** 2 * peak, rtol=6e-4)
+
+
+def test_ramps_are_those_of_the_turntable(page):
+    """The page can show each of them, with the same stops."""
+    ramps = told(page[0])["ramps"]
+    assert {name: {stop[0]: tuple(stop[1:]) for stop in stops} for name, stops in ramps.items()} == RAMPS
+
+
+def test_names_are_only_text(tmp_path):
+    """A folder's name makes no tag, ends no script, and shows as it is."""
+    folder = tmp_path / EVIL.replace("/", "")
+    folder.mkdir()
+    write_npz(folder / "a.1.npz", np.ones((4, 4, 4), np.float32))
+    write_page(tmp_path / "evil.html", open_scene(folder), budget=5.0)
+    tame = tmp_path / "tame"
+    folder.rename(tame)
+    write_page(tmp_path / "tame.html", open_scene(tame), budget=5.0)
+    evil, calm = (Tags((tmp_path / name).read_text("utf-8")) for name in ("evil.html", "tame.html"))
+    assert [(tag, set(attrs)) for tag, attrs in evil.tags] == [(tag, set(attrs)) for tag, attrs in calm.tags]
+    assert [text for tag, text in evil.texts if tag in ("title", "h1") and text.strip()][:2] == [folder.name] * 2
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    """A browser that draws in software."""
+    if PROGRAM is None:
+        pytest.skip("there is no Chromium")
+    browser = Browser(tmp_path_factory.mktemp("browser"))
+    yield browser
+    browser.close()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("angle", TURN)
+def test_a_pixel_a_voxel_is_the_projection(browser, page, angle):
+    """On the floor's plane the picture is Joseph's projection, coloured; bytes and linear filters cost little."""
+    path, volumes = page
+    volume = volumes[1002]
+    size = (volume.shape[0], volume.shape[2])
+    browser.open(path, f"frame=1002&angle={angle}&zoom=1&bare=true&ramp=gray", size=size, frame=1002)
+    sums = Projector([angle], volume.shape, footprint="joseph", device="cpu").project(volume)[0]
+    expected = apply_ramp(sums.T[::-1], "gray").astype(int)
+    off = np.abs(browser.picture().astype(int) - expected)
+    assert off.max() <= 4
+    assert off[expected.max(axis=-1) > 0].mean() < 0.6
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("look", ["fire", "smoke"])
+def test_it_looks_like_the_turntable(browser, page, look):
+    """At twice the size its linear interpolation stays near the turntable's cubic one."""
+    path, volumes = page
+    volume = volumes[1001]
+    size = (2 * volume.shape[0], 2 * volume.shape[2])
+    browser.open(path, f"frame=1001&angle=20&zoom=1&bare=true&ramp={look}", size=size, frame=1001)
+    wanted = render_turntable(volume, [20], look)[0].astype(int)
+    assert np.abs(browser.picture() - wanted)[wanted.max(axis=-1) > 4].mean() < 4
+
+
+@pytest.mark.slow
+def test_from_above_it_is_the_sum_over_the_heights(browser, page):
+    """Seen from 89 degrees the front lies below; scaled to the sum along y both pictures are alike."""
+    path, volumes = page
+    volume = volumes[1002]
+    side, tall, lift = volume.shape[0], volume.shape[2], np.radians(89)
+    farther = tall / (tall * np.cos(lift) + 1.04 * np.hypot(side, side) * np.sin(lift))  # what the page makes of zoom
+    address = f"frame=1002&elevation=89&zoom={1 / farther}&bare=true&ramp=gray&exposure=-2"
+    browser.open(path, address, size=(side, side), frame=1002)
+    expected = apply_ramp(volume.sum(axis=2).T / 4, "gray")[..., 0].astype(int)
+    seen = browser.picture()[..., 0].astype(int)
+    assert np.corrcoef(seen.ravel(), expected.ravel())[0, 1] > 0.98
+    assert np.corrcoef(seen[::-1].ravel(), expected.ravel())[0, 1] < 0.9
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("depth", [0.1, 3.0])
+def test_absorption_has_its_closed_form(browser, page, depth):
+    """Light that is absorbed as it is emitted comes to (1 - exp(-depth s)) over the same of white."""
+    path, volumes = page
+    address = f"frame=1001&zoom=1&bare=true&ramp=gray&theme=dark&mode=absorbing&absorption={depth}"
+    volume = volumes[1001]
+    browser.open(path, address, size=(volume.shape[0], volume.shape[2]), frame=1001)
+    sums = volume.sum(axis=1).T[::-1]
+    clear = np.exp(-depth * sums / 255)
+    expected = 255 * (1 - clear) / (1 - np.exp(-depth)) + clear * 0.075 * 255
+    assert np.abs(browser.picture()[..., 0] - np.minimum(expected, 255)).max() < 5
+
+
+@pytest.mark.slow
+def test_keys_and_mouse(browser, page):
+    """Keys step, colour, stand at a view and hide; a drag turns and lifts; the address keeps it all."""
+    path, _ = page
+    browser.open(path, frame=1002)
+    browser.press("c", "ArrowUp", "2", "ArrowLeft")
+    assert browser.address() == {"ramp": "smoke", "exposure": "0.25", "angle": "90", "frame": "1001"}
+    browser.press("a", "b", "h", "End", "ArrowRight")
+    settings = browser.address()
+    assert {name: settings[name] for name in ("mode", "box", "bare", "frame")} == {
+        "mode": "absorbing", "box": "false", "bare": "true", "frame": "1001",
+    }  # fmt: skip
+    browser.open(path, frame=1002)
+    browser.drag((100, 100), (150, 125))
+    browser.wheel((100, 100), -200)
+    settings = browser.address()
+    assert (settings["angle"], settings["elevation"]) == ("20", "10")
+    assert float(settings["zoom"]) == pytest.approx(0.92 * 1.0015**200, abs=1e-3)
+    browser.press("0")
+    assert browser.address() == {}
+
+
+@pytest.mark.slow
+def test_an_address_opens_the_same_view(browser, page):
+    """What one reader passes on, another sees; nonsense in it is left out."""
+    path, _ = page
+    browser.open(path, "frame=1001&ramp=jet&angle=400&zoom=99&exposure=x&nothing=1&__proto__=1", frame=1001)
+    browser.press("t", "t")
+    settings = browser.address()
+    assert (settings["frame"], settings["ramp"], settings["zoom"]) == ("1001", "jet", "20")
+    assert float(settings["angle"]) == pytest.approx(40, abs=25)  # it turned a little
+    assert "exposure" not in settings
+
+
+@pytest.mark.slow
+def test_play_shows_every_frame(browser, page):
+    """The space key plays and stops; the last frame is followed by the first."""
+    path, _ = page
+    browser.open(path, frame=1002)
+    browser.press(" ")
+    for frame in (1001, 1002, 1001):
+        browser.run(DRAWN.replace("FRAME", repr(str(frame))))
+    browser.press(" ")
+    browser.run("new Promise((done) => setTimeout(done, 300))")
+    number = browser.run("document.body.dataset.shown")
+    browser.run("new Promise((done) => setTimeout(done, 500))")
+    assert browser.run("document.body.dataset.shown") == number
+
+
+@pytest.mark.slow
+def test_nothing_is_logged(browser, page):
+    """No error, and no complaint of the page's own policy."""
+    path, _ = page
+    browser.open(path, frame=1002)
+    assert browser.run("document.getElementById('message').hidden")
+    assert browser.run("document.getElementById('still').hidden")
+    blocked = browser.run("fetch('https://example.invalid/').then(() => 'sent', () => 'blocked')")
+    assert blocked == "blocked"
+
+
+@pytest.mark.slow
+def test_without_graphics_the_still_picture_stays(page, tmp_path):
+    """A browser without WebGL says so and shows what it has."""
+    if PROGRAM is None:
+        pytest.skip("there is no Chromium")
+    browser = Browser(tmp_path / "profile", graphics=False)
+    try:
+        browser.open(page[0])
+        browser.run("new Promise((done) => setTimeout(done, 1000))")
+        assert "WebGL 2" in browser.run("document.getElementById('message').textContent")
+        assert not browser.run("document.getElementById('message').hidden")
+        assert not browser.run("document.getElementById('still').hidden")
+        assert browser.run("document.getElementById('still').naturalWidth") == 96
+    finally:
+        browser.close()
