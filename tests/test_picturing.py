@@ -28,7 +28,7 @@ def clip(tmp_path):
     """Return the pattern of three volumes with temperature and velocity."""
     for frame in (1, 2, 3):
         density = blob(frame)
-        velocity = np.stack([density * 0, density * 3, density], axis=-1)
+        velocity = np.stack([density * 200, density * 0, density * 0], axis=-1)
         grids = {"density": density, "temperature": density * 2, "velocity": velocity}
         write_vdb(tmp_path / f"fire.{frame:04d}.vdb", {name: grid.swapaxes(1, 2) for name, grid in grids.items()})
     return str(tmp_path / "fire.####.vdb")
@@ -92,6 +92,26 @@ def test_keyed_camera(clip, tmp_path):
     assert run("render", clip, "-o", tmp_path / "a.#.png", "--angle", "1:0;3:60", "--frames", "2", *SMALL) == 0
     assert run("render", clip, "-o", tmp_path / "b.#.png", "--angle", "30", "--frames", "2", *SMALL) == 0
     np.testing.assert_array_equal(read_image(tmp_path / "a.2.png"), read_image(tmp_path / "b.2.png"))
+
+
+def test_a_camera_file(clip, tmp_path):
+    keys = [{"frame": 1, "angle": 0, "target": [0, 5, 0]}, {"frame": 3, "angle": 60, "target": [1, 5, 0]}]
+    (tmp_path / "path.json").write_text(json.dumps(keys))
+    flags = ("--frames", "2", *SMALL)
+    assert run("render", clip, "-o", tmp_path / "a.png", "--camera", tmp_path / "path.json", *flags) == 0
+    assert run("render", clip, "-o", tmp_path / "b.png", "--angle", "30", "--target", "0.5,5,0", *flags) == 0
+    np.testing.assert_array_equal(read_image(tmp_path / "a.png"), read_image(tmp_path / "b.png"))
+
+
+def test_motion_blur(clip, tmp_path):
+    """It moves along x at some 8 voxels a frame where it is dense: the picture is smeared that way."""
+    flags = ("--frames", "2", "--mode", "sum", "--device", "cpu", "--resolution", "12x16")
+    assert run("render", clip, "-o", tmp_path / "a.exr", *flags) == 0
+    assert run("render", clip, "-o", tmp_path / "b.exr", *flags, "--motion-blur", "1", "--fps", "9") == 0
+    sharp, blurred = (read_image(tmp_path / name)[..., 0] for name in ("a.exr", "b.exr"))
+    np.testing.assert_allclose(blurred.sum(), sharp.sum(), rtol=0.25)
+    across, along = (np.abs(np.diff(blurred, axis=a)).sum() / np.abs(np.diff(sharp, axis=a)).sum() for a in (0, 1))
+    assert along < across - 0.05
 
 
 def test_stereo(clip, tmp_path):
@@ -170,14 +190,23 @@ def test_a_look_of_ones_own(clip, tmp_path):
         (("--elevation", "91"), "elevation is 91, expected -90 to 90"),
         (("--key-color", "red"), "key-color is 'red', expected three numbers"),
         (("--probe", "none.exr"), "none.exr"),
+        (("--camera", "none.json"), "none.json does not exist"),
+        (("--camera", "mine.json"), "mine.json holds no list of keys"),
     ],
 )
 def test_wrong_commands_are_refused_before_any_work(clip, tmp_path, monkeypatch, capsys, flags, words):
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.json").write_text('{"opacity": {"stops": [[0, 1]]}}')
     out = () if "-o" in flags else ("-o", "a.##.png")
     assert run("render", clip, *out, *flags, "--device", "cpu") == 2
     assert words in capsys.readouterr().err
     assert not list(tmp_path.glob("a.*png"))
+
+
+def test_motion_blur_wants_velocity(tmp_path, capsys):
+    write_vdb(tmp_path / "a.0001.vdb", {"density": np.ones((4, 4, 4), np.float32)})
+    assert run("render", tmp_path / "a.0001.vdb", "-o", tmp_path / "a.png", "--motion-blur", "0.5") == 2
+    assert "needs velocity" in capsys.readouterr().err
 
 
 def test_no_place_for_the_pictures(clip, capsys):

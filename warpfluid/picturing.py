@@ -11,6 +11,7 @@ from warpfluid.files.sequences import format_frames, parse_frames
 from warpfluid.options import CameraOptions, LightOptions, RenderOptions
 from warpfluid.outcome import name_failures
 from warpfluid.progress import Progress
+from warpfluid.rendering.camera_path import read_camera_path
 from warpfluid.rendering.framing import cameras, picture_size
 from warpfluid.rendering.lamps import Lamps
 from warpfluid.rendering.output import Target
@@ -96,7 +97,8 @@ def render(
     lamps = Lamps(light)
     problems.attempt(lambda: lamps.probe)
     problems.raise_if_any()
-    studio = make_studio(options, lamps, volumes.output.look, device)
+    rate = (volumes.document or {}).get("simulate", {}).get("fps", RATE)
+    studio = make_studio(options, lamps, volumes.output.look, device, rate=rate)
     shots = make_shots(volumes, options.frames, camera.turntable)
     check_target(target, shots, resume=resume, overwrite=overwrite)
     stands = Outlines(Run(source)) if light.bodies and volumes.document else None
@@ -151,10 +153,15 @@ def check_target(target: Target, shots: list[Shot], *, resume: bool, overwrite: 
 
 
 def decided(camera: CameraOptions, options: RenderOptions) -> CameraOptions:
-    """Return camera options whose projection is chosen."""
-    if camera.projection != "auto":
-        return camera
-    return replace(camera, projection="orthographic" if options.mode == "sum" else "perspective")
+    """Return camera options with the keys of their file, and the projection chosen.
+
+    Raises:
+        ValueError: If the file or a key is wrong.
+        OSError: If the file cannot be read.
+    """
+    keys = read_camera_path(camera.camera) if camera.camera else {}
+    usual = "orthographic" if options.mode == "sum" else "perspective"
+    return replace(camera, **keys, projection=usual if camera.projection == "auto" else camera.projection)
 
 
 def _pictures(work: Work, shots: list[Shot]) -> Iterator[tuple[Shot, list[Picture], float]]:
@@ -197,7 +204,7 @@ def _film(work: Work, shots: list[Shot]) -> None:
         if not work.made:
             raise ValueError("none of its pictures could be made")
 
-    rate = work.studio.options.fps or (work.volumes.document or {}).get("simulate", {}).get("fps", RATE)
+    rate = work.studio.options.fps or work.studio.rate
     try:
         work.target.film(frames(), work.studio.screen, rate)
     except (ValueError, OSError) as error:
@@ -215,6 +222,8 @@ def _note(work: Work, shot: Shot, begin: float, name: str) -> None:
 def _say(work: Work, shots: list[Shot]) -> None:
     """Say what is made of what."""
     fields = work.volumes.fields(shots[0].frame, work.studio.names)
+    if work.studio.options.motion_blur and "velocity" not in fields:
+        raise ValueError(f"motion-blur needs velocity, which {work.volumes.name} does not hold: leave it out")
     x, z, y = fields["density"].shape
     width, height = picture_size((x, z, y), work.studio.options.size())
     name = work.studio.look.name if work.studio.look else work.studio.ramp
