@@ -102,6 +102,18 @@ def test_no_energy_is_lost(suns):
     np.testing.assert_allclose(whole(lighting), energy(picture), rtol=1e-9)
 
 
+def test_large_probe_is_reduced():
+    """By a whole number, with the same suns and sky; one that cannot be is not."""
+    for shape in ((768, 1536), (509, 1018)):
+        directions, solid = sphere(shape)
+        towards = np.array([0.6, 0.64, 0.48])
+        picture = np.float32(0.2) + np.where(directions @ towards > np.cos(0.03), 500, 0)[..., None] * [1.0, 0.8, 0.5]
+        lighting = light_from_probe(picture, suns=1)
+        np.testing.assert_allclose(whole(lighting), np.einsum("rcd,rc->d", picture, solid), rtol=1e-5)
+        np.testing.assert_allclose(lighting.suns[0].direction, towards, atol=2e-3)
+        np.testing.assert_allclose(lighting.ambient[0], uniform((0.2,) * 3)[0], rtol=1e-3)
+
+
 @pytest.mark.parametrize("angle", [0, 30, 90, 200])
 def test_the_middle_is_behind_the_camera(angle):
     """Turned to a camera's angle, the light in the middle comes from where the camera is; a stop doubles it."""
@@ -147,6 +159,13 @@ def test_other_mistakes(tmp_path):
         light_from_probe(np.ones((8, 16, 3)), suns=4)
     with pytest.raises(ValueError, match="finite"):
         light_from_probe(np.ones((8, 16, 3)), rotation_deg=np.nan)
+
+
+def test_grey_probe():
+    """One channel is as good as three equal ones."""
+    grey = np.random.default_rng(0).random((*SHAPE, 1))
+    one, three = light_from_probe(grey), light_from_probe(np.repeat(grey, 3, axis=2))
+    np.testing.assert_array_equal(one.ambient, three.ambient)
 
 
 def test_black_probe():

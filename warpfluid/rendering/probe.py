@@ -14,6 +14,7 @@ from warpfluid.rendering.lighting import Lighting, Sun
 MOST_SUNS = 3
 SUN_DEG = 10.0  # radius of what is one light; the ring to twice this tells how bright its surroundings are
 FAINTEST_SUN = 0.03  # of all light; fainter ones stay in the harmonics
+WIDE_ENOUGH = 512  # columns; a wider probe is reduced
 SEARCH = (32, 64)  # rows and columns in which lights are looked for
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
@@ -52,7 +53,7 @@ def light_from_probe(
     """Turn a probe into light for volumes and surfaces; none of its energy is lost.
 
     Args:
-        picture: Radiance, latitude-longitude, shape (rows, columns, 3).
+        picture: Radiance, latitude-longitude, shape (rows, columns, 3 or 1).
         suns: How many of its brightest lights become suns with shadows, 0 to 3; fewer if there are not as many.
         rotation_deg: Where a camera stands that has the probe's middle behind it.
         exposure: Stops by which all is made brighter.
@@ -63,13 +64,13 @@ def light_from_probe(
     Raises:
         ValueError: If the picture is no probe, or there are more suns than that.
     """
-    picture = np.asarray(picture, np.float64)
+    picture = np.asarray(picture)
     _check(picture)
     if not 0 <= suns <= MOST_SUNS:
         raise ValueError(f"suns is {suns}, expected 0 to {MOST_SUNS}")
     if not (np.isfinite(rotation_deg) and np.isfinite(exposure)):
         raise ValueError(f"rotation_deg is {rotation_deg} and exposure {exposure}, expected finite numbers")
-    picture = picture * 2.0**exposure
+    picture = _reduce(np.broadcast_to(picture, (*picture.shape[:2], 3))) * 2.0**exposure
     directions, solid_angles = sphere(picture.shape[:2])
     directions = directions @ _turn(rotation_deg).T
     found = []
@@ -105,6 +106,18 @@ def project(light: np.ndarray, directions: np.ndarray) -> np.ndarray:
     for row, towards in zip(light, directions, strict=True):
         total += harmonics(towards).T @ row
     return total
+
+
+def _reduce(picture: np.ndarray) -> np.ndarray:
+    """Return a large probe with fewer pixels, float64; their light is the same."""
+    rows, columns = picture.shape[:2]
+    factor = max(n for n in range(1, max(columns // WIDE_ENOUGH, 1) + 1) if rows % n == 0)
+    if factor == 1:
+        return picture.astype(np.float64)
+    _, solid_angles = sphere((rows, 1))
+    light = (picture * solid_angles[..., None].astype(np.float32)).reshape(rows // factor, factor, -1, factor, 3)
+    _, reduced = sphere((rows // factor, 1))
+    return light.sum(axis=(1, 3), dtype=np.float64) / (factor * reduced[..., None])
 
 
 def _take_brightest(picture: np.ndarray, directions: np.ndarray, solid_angles: np.ndarray) -> Sun | None:
