@@ -13,10 +13,8 @@ from warpfluid.preview.surroundings import find_footage, find_solids
 from warpfluid.rendering.ramps import RAMPS
 
 KEYS = {"v": "volume", "s": "slices", "a": "arrows", "l": "streamlines", "i": "pictures", "b": "bodies", "o": "box"}
-HELP = (
-    "space play    left/right frame    up/down exposure    page up/down slice    "
-    "v volume  s slices  a arrows  l streamlines  i pictures  b bodies  o box    c colours  1-9 view  r reset  q close"
-)
+HELP = """space play   left/right frame   up/down exposure   c colours   1-9 view   r reset   q close
+v volume   s slices (page up/down moves them)   a arrows   l streamlines   i pictures   b bodies   o box"""
 SKY, GROUND = "#1b2029", "#090b0f"
 ELEVATION_DEG = 15.0
 ZOOM = 1.35  # what is shown is round only in the worst case
@@ -184,11 +182,11 @@ class Window:
     def run(self) -> None:
         """Open the window; return when it is closed."""
         plotter, frames = self.plotter, self.scene.frames
-        plotter.add_text(HELP, position="lower_left", font_size=7, color=parts.LINE_COLOUR, name="help")
+        plotter.add_text(HELP, position="lower_left", font_size=8, color=parts.LINE_COLOUR, name="help")
         if len(frames) > 1:
             self._slider = plotter.add_slider_widget(
-                self._slide, (0, len(frames) - 1), self.index, fmt="", color=parts.WORD_COLOUR, style="modern",
-                pointa=(0.2, 0.09), pointb=(0.8, 0.09), interaction_event="always",
+                callback=self._slide, rng=(0, len(frames) - 1), value=self.index, fmt="", color=parts.WORD_COLOUR,
+                pointa=(0.2, 0.1), pointb=(0.8, 0.1), interaction_event="always", slider_width=0.02, tube_width=0.004,
             )  # fmt: skip
             plotter.add_timer_event(
                 max_steps=2**31 - 1, duration=max(1, round(1000 / self.scene.rate)), callback=self._tick
