@@ -13,6 +13,8 @@ sys.path.append(str(Path(__file__).parent / "comparison"))
 
 from plumes import HEIGHT, WIDTH, blurred, plume, write
 
+from warpfluid.comparing import farthest
+
 PLAIN = ("--device", "cpu", "-q")
 FEW = ("--measured-frames", "1", "--scored-angles", "45", *PLAIN)
 
@@ -121,6 +123,14 @@ def test_film_and_sheet(made, tmp_path):
         assert pictures.size[0] == 2 * 2 * WIDTH + 4
     with Image.open(sheet) as stills:
         assert stills.size[1] > 2 * 2 * HEIGHT
+
+
+def test_the_sheet_shows_what_is_farthest_from_the_footage():
+    """Half-way between the views, also across half a turn."""
+    around = range(0, 180, 15)
+    assert farthest(around, [0, 90]) == 45
+    assert farthest(around, [35, -52]) == 165
+    assert farthest(around, [180]) == 90
 
 
 def test_what_cannot_be_compared(made, tmp_path, refused):

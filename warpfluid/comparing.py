@@ -158,6 +158,11 @@ def _wrong_outs(outs: Sequence[Path]) -> list[str]:
     ]
 
 
+def farthest(unseen_deg: Sequence[float], given_deg: Sequence[float]) -> float:
+    """Return the unseen angle that is farthest from all given ones; half a turn only mirrors a view."""
+    return max(unseen_deg, key=lambda angle: min(abs((angle - given + 90) % 180 - 90) for given in given_deg))
+
+
 def _show(outs: Sequence[Path], field: Field, comparison: Comparison, options: CompareOptions, log: Progress) -> None:
     """Write the films and sheets."""
     entries = [*field.entries, *([field.truth] if field.truth else [])]
@@ -165,8 +170,8 @@ def _show(outs: Sequence[Path], field: Field, comparison: Comparison, options: C
     for path in outs:
         log.line(f"write   {path}")
         if path.suffix == SHEET:
-            middle = comparison.unseen_deg[len(comparison.unseen_deg) // 4]
-            write_sheet(path, entries, field.frames, [comparison.given_deg[0], middle], look=look)
+            angles = [comparison.given_deg[0], farthest(comparison.unseen_deg, comparison.given_deg)]
+            write_sheet(path, entries, field.frames, angles, look=look)
         else:
             film = {"fps": options.fps, "start_deg": options.start_angle, "step_deg": options.turn_step}
             write_film(path, entries, field.frames, look=look, **film)

@@ -9,7 +9,8 @@ from sound import Page
 from tiny import BARE, flame, footage, quick, run
 
 from warpfluid.files.npz import write_npz
-from warpfluid.options import BodyOptions, EmitterOptions, ForceOptions, Scene
+from warpfluid.options import BodyOptions, EmitterOptions, ForceOptions, Scene, SimulateOptions
+from warpfluid.report.course import warnings
 from warpfluid.report.fields import field_pictures, speed_of
 from warpfluid.report.scene import body_rows, scene_rows
 from warpfluid.run import Run
@@ -142,3 +143,13 @@ def test_fields_and_speed(box):
     assert mean == pytest.approx((length * found["density"])[lit].sum() / found["density"][lit].sum(), rel=1e-4)
     assert mean < fast <= length[lit].max()
     assert speed_of(volumes, 1, 24.0) is None
+
+
+def test_fluids_that_are_too_fast_are_told():
+    """Where many frames needed all steps that were allowed; not where the user chose their number."""
+    records = {frame: {"steps": 8 if frame > 2 else 1} for frame in range(1, 7)}
+    (told,) = warnings(records, SimulateOptions())
+    assert told.startswith("4 of 6 frames needed all 8 solver steps")
+    assert "--max-substeps" in told
+    assert warnings(records, SimulateOptions(substeps=8)) == []
+    assert warnings(records, SimulateOptions(max_substeps=16)) == []

@@ -83,5 +83,7 @@ def _notes(comparison: Comparison) -> list[str]:
     if len(comparison.values) - len(comparison.floors) > 1:
         lines.append("note    > marks the best; what stands in brackets ranks nothing")
     if comparison.yardstick:
-        lines.append(f"note    x: multiples of the floor '{comparison.yardstick}'; 1 cannot be told from the truth")
+        lines.append(
+            f"note    x: multiples of the floor '{comparison.yardstick}'; what is not above 1 is as good as real"
+        )
     return lines

@@ -12,11 +12,12 @@ MOST_DOTS = 40  # more would hide the curve
 STYLES = ("one", "two", "three")
 
 
-def energy_chart(energies: np.ndarray) -> str:
-    """Draw the energy (Eq. 1) after every half-step, on a logarithmic axis.
+def energy_chart(energies: np.ndarray, *, alternates: bool = True) -> str:
+    """Draw the energy after every half-step, on a logarithmic axis.
 
     Args:
-        energies: After the M-step and after the E-step, shape (iteration, 2).
+        energies: After the M-step and after the E-step (Eq. 1), shape (iteration, 2).
+        alternates: If not, they are those before and after each round of another method.
 
     Returns:
         An inline SVG; nothing if no energy is positive and finite.
@@ -36,11 +37,13 @@ def energy_chart(energies: np.ndarray) -> str:
     x = LEFT + 14 + np.arange(len(values)) * (WIDTH - 28) / max(len(values) - 1, 1)
     y = TOP + HEIGHT * (high - np.log10(np.where(good, values, ticks[0]))) / (high - low)
     points = [(px, py, i) for i, (px, py) in enumerate(zip(x, y, strict=True)) if good[i]]
-    parts = [_axes(ticks, x[::2] + (x[1] - x[0]) / 2)]
+    words = ("after M (images)", "after E (volume)") if alternates else ("before a round", "after it")
+    parts = [_axes(ticks, x[::2] + (x[1] - x[0]) / 2, words)]
     parts.append(f'<polyline class="curve" points="{" ".join(f"{px:.1f},{py:.1f}" for px, py, _ in points)}"/>')
     for px, py, i in points:
         step = "ME"[i % 2]
-        told = f"<title>{step}-step {i // 2 + 1}: {values[i]:.3g}</title>"
+        name = f"{step}-step" if alternates else f"{words[i % 2]}:"
+        told = f"<title>{name} {i // 2 + 1}: {values[i]:.3g}</title>"
         parts.append(f'<circle class="{step.lower()}" cx="{px:.1f}" cy="{py:.1f}" r="4">{told}</circle>')
     box = f"0 0 {LEFT + WIDTH + RIGHT} {TOP + HEIGHT + BOTTOM}"
     return f'<svg viewBox="{box}" role="img" aria-label="energy by half-step">{"".join(parts)}</svg>'
@@ -109,7 +112,7 @@ def _legend(names: Sequence[str], unit: str) -> str:
     return "".join(parts) + f'<text x="{LEFT + WIDTH}" y="15" text-anchor="end">{escape(unit.strip())}</text>'
 
 
-def _axes(ticks: list[float], middles: np.ndarray) -> str:
+def _axes(ticks: list[float], middles: np.ndarray, words: tuple[str, str]) -> str:
     """Return grid lines, their labels, the iterations' numbers and the legend."""
     low, high = np.log10([ticks[0], ticks[-1]])
     parts = []
@@ -121,9 +124,9 @@ def _axes(ticks: list[float], middles: np.ndarray) -> str:
         parts.append(f'<text x="{middles[i]:.1f}" y="{TOP + HEIGHT + 17}" text-anchor="middle">{i + 1}</text>')
     bottom = TOP + HEIGHT + 34
     parts.append(f'<text x="{LEFT + WIDTH / 2}" y="{bottom}" text-anchor="middle">iteration</text>')
-    for x, style, words in ((8, "m", "after M (images)"), (148, "e", "after E (volume)")):
+    for x, style, name in ((8, "m", words[0]), (148, "e", words[1])):
         parts.append(f'<circle class="{style}" cx="{LEFT + x}" cy="11" r="4"/>')
-        parts.append(f'<text x="{LEFT + x + 10}" y="15">{words}</text>')
+        parts.append(f'<text x="{LEFT + x + 10}" y="15">{name}</text>')
     return "".join(parts)
 
 

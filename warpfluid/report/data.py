@@ -33,6 +33,7 @@ class FrameReport:
         slices_white: Density at the end of the slices' colour bar; None leaves the bar out.
         fields: Pictures of other fields by what they show, one uint8 picture each.
         energies: Energy (Eq. 1) after the M-step and after the E-step, shape (iteration, 2).
+        alternates: If not, the energies are those before and after each round of another method.
         metrics: Numbers of every method, by its name and the metric's.
         seconds: Time the frame took.
     """
@@ -44,6 +45,7 @@ class FrameReport:
     slices_white: float | None = None
     fields: Mapping[str, np.ndarray] = field(default_factory=dict)
     energies: np.ndarray | None = None
+    alternates: bool = True
     metrics: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     seconds: float | None = None
 

@@ -23,7 +23,8 @@ from warpfluid.run import PAGE, Run
 from warpfluid.settings import Settings
 from warpfluid.views import Views
 
-LSM, OURS = "least squares", "appearance transfer"
+LSM = "least squares"
+NAMES = {"stochastic": "stochastic tomography", "convex": "convex minimum", "flame-sheet": "flame sheet"}
 AGAINST = (
     "Unseen views, half-way between the given ones, against the footage, as distributions. "
     "Views of one fluid differ, too: the floors are views of the footage against each other."
@@ -85,8 +86,9 @@ def _frame(run: Run, shot: Shot, settings: Settings, records: dict, frame: int, 
     views, record = shot.views(frame), records[frame]
     volumes = {LSM: reconstruct(views, dataclasses.replace(settings.reconstruct, method="lsm"), device=device).volume}
     if settings.reconstruct.method != "lsm":
-        volumes[OURS] = run.volume(frame)
-    white = pieces.peak(volumes[OURS if OURS in volumes else LSM])
+        method = settings.reconstruct.method
+        volumes[NAMES.get(method, method.replace("-", " "))] = run.volume(frame)
+    white = pieces.peak(list(volumes.values())[-1])
     other = other_moment(frame, tuple(records))
     far = shot.views(other).images if other != frame and numbered else None
     numbers = _numbers(volumes, views, far, settings.reconstruct, device) if numbered else {}
@@ -97,6 +99,7 @@ def _frame(run: Run, shot: Shot, settings: Settings, records: dict, frame: int, 
         slices=pieces.slices(volumes, white),
         slices_white=white,
         energies=np.asarray(record["energies"]) if record["energies"] else None,
+        alternates=settings.reconstruct.method == "appearance-transfer",
         metrics=pieces.sorted_floors(numbers, list(volumes))[0],
         seconds=record["seconds"],
     )
@@ -132,7 +135,7 @@ def _series(records: dict[int, dict]) -> list[SeriesReport]:
         SeriesReport(
             title="How exactly the inputs come back", values={"": curve(lambda r: min(r["input_psnr"]))}, unit=" dB"
         ),
-        SeriesReport(title="Energy after the last E-step", values=energies, unit=" million"),
+        SeriesReport(title="Energy at the end", values=energies, unit=" million"),
         SeriesReport(title="Total density", values={"": curve(lambda r: r["total"] / 1e3)}, unit=" thousand"),
         SeriesReport(title="Time a frame took", values={"": curve(lambda r: r["seconds"])}, unit=" s"),
     ]

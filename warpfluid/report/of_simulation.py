@@ -17,8 +17,9 @@ from warpfluid.options import SimulateOptions
 from warpfluid.projector import Projector
 from warpfluid.rendering.turntable import render_turntable
 from warpfluid.report import pieces
-from warpfluid.report.data import FrameReport, InputReport, ReportData, SeriesReport
-from warpfluid.report.fields import field_pictures, speed_of
+from warpfluid.report.course import OURS, SOURCE, check, course, speeds, warnings
+from warpfluid.report.data import FrameReport, InputReport, ReportData
+from warpfluid.report.fields import field_pictures
 from warpfluid.report.film import surfaces_in
 from warpfluid.report.page import write_report
 from warpfluid.report.scene import body_rows, scene_rows
@@ -28,12 +29,10 @@ from warpfluid.simulation.outlines import Outlines
 from warpfluid.simulation.source import Source
 from warpfluid.volumes import VolumeSequence, open_volumes
 
-SOURCE, OURS = "source", "simulated"
 AGAINST = (
     "Unseen views, half-way between those of the footage, against the footage, as distributions. "
     "Views of one fluid differ, too: the floors are views of the footage against each other."
 )
-MANY = 0.2  # share of the frames that is worth a warning
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -76,12 +75,12 @@ def report_simulation(run: Run, settings: SimulateSettings, source: Source, *, d
     Returns:
         The page, ``report.html`` in the run's folder.
     """
-    begin, warnings, document = time.perf_counter(), [], run.settings()
+    begin, missing, document = time.perf_counter(), [], run.settings()
     try:
         footage = find_footage(document)
     except (ValueError, OSError) as error:
         footage = None
-        warnings.append(f"The footage is not to be had, so nothing is compared with it: {describe(error)}")
+        missing.append(f"The footage is not to be had, so nothing is compared with it: {describe(error)}")
     made = _Simulated(
         run=run,
         settings=settings,
@@ -101,13 +100,13 @@ def report_simulation(run: Run, settings: SimulateSettings, source: Source, *, d
         subtitle=_subtitle(made, shown),
         origin="Footage" if footage else "Source",
         inputs=_inputs(made, shown[len(shown) // 2]),
-        warnings=[*warnings, *_warnings(made)],
-        check=_check(made),
+        warnings=[*missing, *warnings(made.records, settings.simulate)],
+        check=check(made.records, source),
         frames=pages,
         metrics=_with_motion(made, means),
         metrics_note=AGAINST,
         yardsticks=floors,
-        series=[*_series(made), *_speeds(made, shown)],
+        series=[*course(made.records, source), *speeds(made.volumes, shown, settings.simulate.fps)],
         facts=_facts(made),
         turntable=pieces.turning(run, settings.output.look, source.volumes.scale),
         rate=pieces.FILM_RATE,
@@ -190,68 +189,12 @@ def _inputs(made: _Simulated, frame: int) -> list[InputReport]:
     return pieces.view_reports([made.source.volumes.name] * len(angles), angles, images)
 
 
-def _series(made: _Simulated) -> list[SeriesReport]:
-    """Return the numbers over the frames."""
-    records = made.records
-    total = {OURS: {frame: record["total"] / 1e3 for frame, record in records.items()}}
-    followed = {f: r["total"] / r["total_over_source"] / 1e3 for f, r in records.items() if r.get("total_over_source")}
-    total |= {SOURCE: followed} if followed else {}
-    views = [f"{angle:g}°" for angle in made.source.volumes.angles_deg[:3]] if made.source.frames else []
-    exact = {
-        view: {frame: r["input_psnr"][i] for frame, r in records.items() if r["steps"] and r.get("input_psnr")}
-        for i, view in enumerate(views)
-    }
-    return [
-        SeriesReport(title="Total density", values=total, unit=" thousand"),
-        SeriesReport(title="How exactly the views of the source come back", values=exact, unit=" dB"),
-        SeriesReport(title="Solver steps a frame", values={"": {f: r["steps"] for f, r in records.items()}}),
-        SeriesReport(title="Time a frame took", values={"": {f: r["seconds"] for f, r in records.items()}}, unit=" s"),
-    ]
-
-
-def _speeds(made: _Simulated, shown: list[int]) -> list[SeriesReport]:
-    """Return how fast the fluid is in the frames shown."""
-    found = {frame: speed_of(made.volumes, frame, made.settings.simulate.fps) for frame in shown}
-    found = {frame: speed for frame, speed in found.items() if speed}
-    curves = {name: {f: speed[i] for f, speed in found.items()} for i, name in enumerate(("mean", "fastest 1 %"))}
-    return [SeriesReport(title="Speed of the fluid", values=curves, unit=" voxel/frame")] if found else []
+def _subtitle(made: _Simulated, shown: list[int]) -> str:
+    words = pieces.headline(tuple(made.records), "", shown, made.source.shape)
+    return f"Simulation. {words}"
 
 
 def _facts(made: _Simulated) -> dict[str, list[dict[str, object]]]:
     """Return what stands in the box, and where the bodies went."""
     found = {"Scene": scene_rows(made.settings.scene), "Rigid bodies": body_rows(made.run, made.settings.scene.body)}
     return {title: rows for title, rows in found.items() if rows}
-
-
-def _check(made: _Simulated) -> list[str]:
-    """Return what is good to know, in sentences."""
-    records = made.records.values()
-    if not made.source.frames:
-        return ["It starts from an empty box and follows nothing."]
-    name = made.source.volumes.name
-    lines = [f"It follows {name}." if len(made.source.frames) > 1 else f"It starts from {name}."]
-    ratios = [record["total_over_source"] for record in records if record.get("total_over_source")]
-    exact = [min(r["input_psnr"]) for r in records if r["steps"] and r.get("input_psnr")]
-    if ratios:
-        lines.append(f"Its density totals {min(ratios):.1%} to {max(ratios):.1%} of the source's.")
-    if exact:
-        lines.append(f"The views of the source come back with at least {min(exact):.1f} dB.")
-    return lines
-
-
-def _warnings(made: _Simulated) -> list[str]:
-    """Return what the reader should not miss."""
-    options, records = made.settings.simulate, made.records.values()
-    most = options.substeps or options.max_substeps
-    full = [record for record in records if record["steps"] >= most]
-    if options.substeps is None and len(full) > MANY * len(records):
-        return [
-            f"{len(full)} of {len(records)} frames needed all {most} solver steps that were allowed: "
-            "the fluid is faster than they resolve; raise --max-substeps"
-        ]
-    return []
-
-
-def _subtitle(made: _Simulated, shown: list[int]) -> str:
-    words = pieces.headline(tuple(made.records), "", shown, made.source.shape)
-    return f"Simulation. {words}"

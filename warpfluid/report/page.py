@@ -107,7 +107,7 @@ def _frame(frame: FrameReport, input_angles: set[float], yardsticks: Sequence[st
         title = "<h3>Other fields, cut open where there is most fluid, seen from the front</h3>"
         parts.append(f'{title}<div class="fields">{fields}</div>')
     drawn = frame.energies is not None and len(frame.energies) >= FEWEST_ITERATIONS
-    curve = f"<div><h3>Energy</h3>{energy_chart(frame.energies)}</div>" if drawn else ""
+    curve = f"<div><h3>Energy</h3>{energy_chart(frame.energies, alternates=frame.alternates)}</div>" if drawn else ""
     numbers = metrics_table(frame.metrics, yardsticks, explained=False)
     parts.append(side_by_side(f'<div class="wide"><h3>Quality</h3>{numbers}</div>' if numbers else "", curve))
     seconds = "" if frame.seconds is None else f' <span class="soft">{frame.seconds:.1f} s</span>'
