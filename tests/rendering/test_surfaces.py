@@ -212,6 +212,26 @@ def test_fire_lights_the_ground():
     assert seen.color[round(row), round(column), 0] == pytest.approx(expected, rel=0.06)
 
 
+@pytest.mark.parametrize("shape", [(1, 1, 1), (3, 90, 5), (17, 2, 33)])
+@pytest.mark.parametrize("density", [0.0, 1.0])
+def test_odd_boxes(shape, density):
+    """Empty or full, thin or a single voxel: a picture without holes."""
+    medium = Medium(
+        fields={"density": wp.full(shape, density, dtype=float)},
+        extinction=Curve("density", 1.0, [0, 0.5]),
+        emission=Curve("density", 1.0, [0, 1]),
+        albedo=Curve("density", 1.0, [0.5]),
+    )
+    lighting = Lighting((Sun((1, 2, 3), (1, 1, 1)),), uniform((1, 1, 1)))
+    camera = perspective(shape, 30, 20, distance=3 * max(shape), field_of_view_deg=30, size=(33, 17))
+    picture = render(medium, camera, lighting, light_volume(medium, lighting), ground=Ground(shape))
+    for layer in (picture.color, picture.alpha, picture.density, picture.emission):
+        assert np.isfinite(layer).all()
+    assert picture.color.max() > 0.2
+    assert picture.emission.any() == (density > 0)
+    assert not np.isnan(picture.depth).any()
+
+
 def test_fires_are_few():
     """At most 24 lamps, and none of their light is lost; none where nothing glows."""
     glow = np.random.default_rng(0).random(SHAPE)
