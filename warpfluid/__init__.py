@@ -25,12 +25,15 @@ _HOMES = {
     "compare_pictures": "warpfluid.metrics",
     "inspect_shot": "warpfluid.footage.inspection",
     "open_shot": "warpfluid.footage.shot",
+    "open_volumes": "warpfluid.volumes",
     "read_vdb": "warpfluid.files.vdb",
     "reconstruct": "warpfluid.reconstruction.em",
     "render_turntable": "warpfluid.rendering.turntable",
     "write_turntable": "warpfluid.rendering.turntable",
     "write_npz": "warpfluid.files.npz",
+    "write_nvdb": "warpfluid.files.nvdb",
     "write_vdb": "warpfluid.files.vdb",
+    "write_vti": "warpfluid.files.vti",
 }
 
 __all__ = ["__version__", *_HOMES]

@@ -25,7 +25,9 @@ def _things(kind: str, text: str) -> type:
 
 @app.command
 def simulate(
-    source: Annotated[str | None, Parameter(help="A run, or volumes: a folder, pattern or file, .vdb or .npz")] = None,
+    source: Annotated[
+        str | None, Parameter(help="A run, or volumes: a folder, pattern or file, .vdb, .nvdb, .vti or .npz")
+    ] = None,
     *,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"], help="Folder of the new run")] = None,
     preset: Annotated[str | None, Parameter(help="fire, smoke, explosion or splash; see presets")] = None,

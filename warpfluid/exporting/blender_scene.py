@@ -266,7 +266,7 @@ def set_up_render(record, look, choices):
     scene.render.fps = max(1, round(record["fps"]))
     scene.render.fps_base = scene.render.fps / record["fps"]
     scene.render.use_motion_blur = choices.motion_blur
-    scene.view_settings.view_transform = "Standard"
+    scene.view_settings.view_transform = record["tone"] if look == "plain" else "Standard"
     world = bpy.data.worlds.new("world")
     world.use_nodes = True
     world.node_tree.nodes["Background"].inputs["Color"].default_value = (SKIES[look], SKIES[look], 1.2 * SKIES[look], 1)

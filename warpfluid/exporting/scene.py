@@ -49,10 +49,12 @@ def find_bodies(sequence: VolumeSequence, options: ExportOptions) -> list[Body]:
 def scene_facts(sequence: VolumeSequence, options: ExportOptions, bodies: list[Body]) -> dict:
     """Return what scenes need to know and files do not tell."""
     simulated = (sequence.document or {}).get("simulate", {})
+    footage = (sequence.document or {}).get("input", {})
     fps = options.fps or simulated.get("fps") or FPS
     return {
         "fps": float(fps),
         "up": options.file_up,
+        "tone": "Raw" if footage.get("decode", "linear") == "none" else "Standard",  # as the footage was read
         "look": sequence.output.look if sequence.document else None,
         "velocity": options.velocity_name,
         "bodies": [
