@@ -115,7 +115,7 @@ METRICS: dict[str, Metric] = {
         Metric("psnr", "PSNR, unseen views [dB]", "high", "pixels", "pixel by pixel: favours blur", psnr, False),
         Metric("ssim", "SSIM, unseen views", "high", "pixels", "structure in its place: favours blur", ssim, False),
         Metric("total", "Total density", "one", "physical", "all light, over the truth's"),
-        Metric("left_over", "Left by motion", "one", "motion", "above one is flicker, below is frozen"),
+        Metric("left_over", "Left by motion", "one", "motion", "above one is flicker, below is calmer"),
         Metric("grid_index", "Grid index", "one", "volume", "slices woven along the rays"),
     )
 }
