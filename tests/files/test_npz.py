@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-from warpfluid.files.npz import read_npz, write_npz
+from warpfluid.files.npz import npz_facts, read_npz, read_npz_grids, write_npz, write_npz_grids
 
 CHECK = settings(max_examples=60, deadline=None, derandomize=True)
 
@@ -98,3 +98,38 @@ def test_damaged_files_end_in_an_error(tmp_path_factory, data):
         read_npz(path)
     with pytest.raises(FileNotFoundError):
         read_npz(path.with_name("none.npz"))
+
+
+def test_grids_and_places(tmp_path):
+    """Several grids, vectors among them, come back with where they lie; heads alone tell the same."""
+    density = np.arange(24, dtype=np.float32).reshape(2, 3, 4)
+    grids = {"density": density, "velocity": np.stack([density] * 3, axis=-1)}
+    write_npz_grids(tmp_path / "a.npz", grids, voxel_size=0.5, origin=(1, -2, 3.25), frame=7)
+    file = read_npz_grids(tmp_path / "a.npz")
+    assert (file.voxel_size, file.origin, file.metadata["frame"]) == (0.5, (1, -2, 3.25), 7)
+    for name, grid in grids.items():
+        np.testing.assert_array_equal(file.grids[name], grid)
+    facts = {grid.name: grid for grid in npz_facts(tmp_path / "a.npz")}
+    assert {name: grid.kind for name, grid in facts.items()} == {"density": "float", "velocity": "vec3s"}
+    for grid in facts.values():
+        assert (grid.shift, grid.voxel_size, grid.about["placed"]) == ((1, -2, 3.25), 0.5, True)
+        assert grid.box.tolist() == [[0, 0, 0], [1, 2, 3]]
+    np.testing.assert_array_equal(read_npz(tmp_path / "a.npz")[0], density)
+
+
+def test_grids_of_others(tmp_path):
+    """Without a place they lie nowhere; what is no grid is passed over; unlike sizes are refused."""
+    np.savez(tmp_path / "a.npz", smoke=np.ones((1, 4, 5, 6), np.float64), cameras=np.zeros((2, 3)), frame=3)
+    file = read_npz_grids(tmp_path / "a.npz")
+    assert {name: grid.shape for name, grid in file.grids.items()} == {"smoke": (4, 5, 6)}
+    (facts,) = npz_facts(tmp_path / "a.npz")
+    assert (facts.name, facts.about, facts.whole.tolist()) == ("smoke", {"placed": False}, [[0, 0, 0], [3, 4, 5]])
+    np.savez(tmp_path / "b.npz", density=np.ones((4, 5, 6)), heat=np.ones((2, 5, 6)))
+    with pytest.raises(ValueError, match=r"b\.npz: no volumes of one size, only density \(4, 5, 6\), heat"):
+        read_npz_grids(tmp_path / "b.npz")
+    for bad in ({"origin": [1, 2]}, {"voxel_size": -1.0}, {"voxel_size": np.nan}):
+        np.savez(tmp_path / "c.npz", density=np.ones((2, 2, 2)), **bad)
+        with pytest.raises(ValueError, match=r"c\.npz: (origin|voxel_size) is"):
+            read_npz_grids(tmp_path / "c.npz")
+    with pytest.raises(ValueError, match="must have one shape"):
+        write_npz_grids(tmp_path / "d.npz", {"frame": np.ones((2, 2, 2))}, voxel_size=1, origin=(0, 0, 0))

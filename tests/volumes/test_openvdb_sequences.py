@@ -1,13 +1,16 @@
 """Sequences that the real OpenVDB wrote, every frame cut to what it holds."""
 
+import contextlib
 import importlib.util
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from tiny import run as run_command
 
-from warpfluid.files.vdb import vdb_facts
+from warpfluid.files.vdb import vdb_facts, write_vdb
 from warpfluid.volumes import open_volumes
 
 SPEC = importlib.util.spec_from_file_location("binding", Path(__file__).parents[1] / "files" / "test_vdb_openvdb.py")
@@ -95,3 +98,44 @@ def test_nan_is_named_and_repaired(tmp_path, capsys):
     assert "5 voxels of density repaired" in capsys.readouterr().err
     voxels = binding.read_by_openvdb(tmp_path / "out" / "density.0001.vdb")["grids"]["density"]["voxels"]
     assert [value for *_, value in voxels] == [1, 2, 4, 5, 7, 8]
+
+
+def filled(shape, part):
+    """Return random density at a part of the voxels, and a wind."""
+    rng = np.random.default_rng(5)
+    density = np.where(rng.random(shape) < part, rng.uniform(0.5, 2, shape), 0).astype(np.float32)
+    return {"density": density, "velocity": np.stack([density, -2 * density, 3 * density], axis=-1)}
+
+
+CASES = {"odd": filled((17, 9, 23), 0.2), "empty": filled((5, 6, 7), 0.0), "one voxel": filled((1, 1, 1), 1.1)}
+COPY = "grids, facts = vdb.readAll(sys.argv[1]); vdb.write(sys.argv[1], grids=grids, metadata=facts)"
+
+
+@pytest.mark.parametrize("flags", [[], ["--half"], ["--up", "z"], ["--up", "z", "--half"]])
+@pytest.mark.parametrize("case", CASES)
+def test_there_and_back(tmp_path, case, flags):
+    """Exported, read and written by OpenVDB, read again: every voxel and vector is where it was."""
+    write_vdb(tmp_path / "a.0001.vdb", CASES[case], voxel_size=0.25, origin=(-2, 0.125, 3))
+    out = tmp_path / "out"
+    assert run_command("export", tmp_path / "a.0001.vdb", "-o", out, *flags, "-q") == 0
+    binding.run(COPY, out / "density.0001.vdb")
+    file = open_volumes(out, unchecked=True).read(1)
+    np.testing.assert_allclose(file.origin, (-2, 0.125, 3), atol=1e-9)
+    assert file.voxel_size == 0.25
+    for name, grid in CASES[case].items():
+        kept = grid.astype(np.float16) if "--half" in flags else grid
+        np.testing.assert_array_equal(file.grids[name], kept)
+
+
+@settings(max_examples=60, deadline=None)
+@given(data=st.data())
+def test_facts_of_damaged_files(tmp_path_factory, data):
+    """They are told or refused, and nothing else."""
+    path = tmp_path_factory.mktemp("damage") / "a.vdb"
+    write_vdb(path, CASES["odd"])
+    damaged = bytearray(path.read_bytes())
+    for place in data.draw(st.lists(st.integers(0, 1500), min_size=1, max_size=3)):
+        damaged[place] = data.draw(st.integers(0, 255))
+    path.write_bytes(damaged[: data.draw(st.integers(0, len(damaged)))])
+    with contextlib.suppress(ValueError):
+        vdb_facts(path)

@@ -7,6 +7,7 @@ lies, three numbers.
 
 import io
 import struct
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Mapping
@@ -27,6 +28,8 @@ DAMAGE = (
     zlib.error,
     struct.error,
     EOFError,
+    SyntaxError,
+    tokenize.TokenError,
     KeyError,
     MemoryError,
     OSError,
