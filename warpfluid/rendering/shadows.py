@@ -52,19 +52,18 @@ class InnerLight:
         return {"shadows": self.shadows, "ambient": self.ambient}
 
 
-def light_volume(medium: Medium, lighting: Lighting, *, fine: bool = False) -> InnerLight:
+def light_volume(medium: Medium, lighting: Lighting) -> InnerLight:
     """Find the light within a volume.
 
     Args:
         medium: What fills it.
         lighting: What is around it.
-        fine: Find shadows voxel by voxel however large the volume is.
 
     Returns:
         What ``march`` and surfaces need.
     """
     extinction = extinction_of(medium)
-    shadows = cast_shadows(extinction, lighting.suns, factor=1 if fine else _factor(extinction.shape, SHADOW_VOXELS))
+    shadows = cast_shadows(extinction, lighting.suns, factor=_factor(extinction.shape, SHADOW_VOXELS))
     factor = max(2, _factor(extinction.shape, SKY_VOXELS))
     light = gather_sky(extinction, lighting.ambient, factor=factor)
     fires = _light_fires(medium, extinction, factor, light)
