@@ -14,10 +14,11 @@ import subprocess
 import tempfile
 from pathlib import Path
 
+import numpy as np
 from gallery import panel, save
+from PIL import Image
 
 from warpfluid.cli import main
-from warpfluid.files.images import decode_image
 
 BLENDER = os.environ.get("WARPFLUID_BLENDER", "blender")
 SIZE, SAMPLES = "330x440", "64"
@@ -50,7 +51,7 @@ def rendered(folder: Path, command: list[str], frame: str, look: str):
     script = ["--python", str(out / "open_in_blender.py"), "--", "--render", str(picture), "--size", SIZE]
     blender = [BLENDER, "-b", "--factory-startup", "--python-exit-code", "1"]
     subprocess.run([*blender, *script, "--samples", SAMPLES], check=True, stdout=subprocess.DEVNULL)
-    return decode_image(picture)[0][..., :3]
+    return np.asarray(Image.open(picture).convert("RGB"))
 
 
 # %%

@@ -120,25 +120,30 @@ def make_material(record, look):
     if "Temperature Attribute" in shader.inputs:
         shader.inputs["Temperature Attribute"].default_value = ""
     voxel, brightest, full = measures(record)
-    smoke = (THICK if look == "smoke" else THICK / 2) / (max(brightest, 1e-30) * voxel)
     if look in ("smoke", "explosion"):
+        thick = (THICK if look == "smoke" else THICK / 2) / (max(brightest, 1e-30) * voxel)
         density = attribute(nodes, "density", -600, -200)
-        links.new(scaled(nodes, links, density, smoke, -300, -200, "smoke"), shader.inputs["Density"])
+        links.new(scaled(nodes, links, density, thick, -300, -200, "smoke"), shader.inputs["Density"])
         shade = 0.9 if look == "smoke" else 0.2
         shader.inputs["Color"].default_value = (shade, shade, shade, 1)
         shader.inputs["Anisotropy"].default_value = 0.3
     if look != "smoke":
-        grid = "flame" if look == "explosion" else "density"
-        light = attribute(nodes, grid, -600, 200)
-        white = WHITE if grid == "density" else FLAME_VOXELS * max(full.get(grid, 1.0), 1e-30)
-        gain = 1 / (white * voxel)
-        gain *= 1.0 if look == "plain" else BRIGHT
-        links.new(scaled(nodes, links, light, gain, -300, 200, "light"), shader.inputs["Emission Strength"])
-        shader.inputs["Emission Color"].default_value = (1, 1, 1, 1)
-        if look != "plain":
-            colours = flame_colours(nodes, links, light, max(full.get(grid, 1.0), 1e-30))
-            links.new(colours, shader.inputs["Emission Color"])
+        add_glow(material, shader, look, voxel, full)
     return material
+
+
+def add_glow(material, shader, look, voxel, full):
+    """Make light of the flame of an explosion, or of the density."""
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    grid = "flame" if look == "explosion" else "density"
+    most = max(full.get(grid, 1.0), 1e-30)
+    value = attribute(nodes, grid, -600, 200)
+    gain = 1 / ((WHITE if grid == "density" else FLAME_VOXELS * most) * voxel)
+    gain *= 1.0 if look == "plain" else BRIGHT
+    links.new(scaled(nodes, links, value, gain, -300, 200, "light"), shader.inputs["Emission Strength"])
+    shader.inputs["Emission Color"].default_value = (1, 1, 1, 1)
+    if look != "plain":
+        links.new(flame_colours(nodes, links, value, most), shader.inputs["Emission Color"])
 
 
 def measures(record):

@@ -102,23 +102,28 @@ def _export_frames(
         log.line(f"resume  {len(frames) - len(left)} of {len(frames)} frames are there")
     try:
         for frame in left:
-            path = record.path.with_name(f"density.{frame:04d}.{options.ending}")
             try:
-                prepared = prepare(sequence, frame, options, lit)
-                write_frame(path, prepared, frame, options)
+                log.line(_export_frame(sequence, frame, options, lit, record, hashes[str(frame)]))
             except (ValueError, OSError) as error:
                 failed[f"frame {frame}"] = describe(error)
                 log.line(f"frame   {frame} failed: {describe(error)}")
-                continue
-            place = {"voxel_size": prepared.file.voxel_size, "origin": list(prepared.file.origin)}
-            shape = list(next(iter(prepared.file.grids.values())).shape[:3])
-            facts = {"file": path.name, "source_hash": hashes[str(frame)], **place, "shape": shape, **prepared.facts}
-            record.add(frame, facts)
-            log.line(_line(frame, path, prepared))
     except KeyboardInterrupt as stop:
         done = len(record.content["frames"])
         raise KeyboardInterrupt(f"stopped, {done} frames are there; the same command with --resume goes on") from stop
     return failed
+
+
+def _export_frame(
+    sequence: VolumeSequence, frame: int, options: ExportOptions, lit: Lattice | None, record: Record, source_hash: str
+) -> str:
+    """Write a frame and note it; return what is said of it."""
+    path = record.path.with_name(f"density.{frame:04d}.{options.ending}")
+    prepared = prepare(sequence, frame, options, lit)
+    write_frame(path, prepared, frame, options)
+    place = {"voxel_size": prepared.file.voxel_size, "origin": list(prepared.file.origin)}
+    shape = list(next(iter(prepared.file.grids.values())).shape[:3])
+    record.add(frame, {"file": path.name, "source_hash": source_hash, **place, "shape": shape, **prepared.facts})
+    return _line(frame, path, prepared)
 
 
 def _line(frame: int, path: Path, prepared: Prepared) -> str:
