@@ -70,12 +70,7 @@ def _open(names: Sequence[str], truth: str | None, options: CompareOptions) -> F
     sequences = [problems.attempt(open_volumes, name) for name in [*names, *([truth] if truth else [])]]
     problems.raise_if_any()
     entries = make_entries(sequences)
-    width, _, height = entries[0].shape
-    if min(width, height) < SMALLEST_SIDE:
-        raise ValueError(
-            f"the volumes are {width} x {height} voxels from the front: "
-            f"the numbers need at least {SMALLEST_SIDE} a side"
-        )
+    width, height = _size(entries[0])
     frames = common_frames(entries, parse_frames(options.frames) if options.frames else None)
     measured = tuple(spread(frames, options.measured_frames))
     footage, notes = _footage(entries[: len(names)])
@@ -97,6 +92,17 @@ def _open(names: Sequence[str], truth: str | None, options: CompareOptions) -> F
         measured=measured,
         notes=tuple(notes),
     )
+
+
+def _size(entry: Entry) -> tuple[int, int]:
+    """Return width and height of the volumes, or refuse those that are too small."""
+    width, _, height = entry.shape
+    if min(width, height) < SMALLEST_SIDE:
+        raise ValueError(
+            f"the volumes are {width} x {height} voxels from the front: "
+            f"the numbers need at least {SMALLEST_SIDE} a side"
+        )
+    return width, height
 
 
 def _footage(entries: Sequence[Entry]) -> tuple[Footage | None, list[str]]:

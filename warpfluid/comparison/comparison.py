@@ -81,11 +81,10 @@ def compare_entries(
     for frame in measured:
         progress(frame)
         found.append(_measure(entries, frame, frames, truth, footage, given, unseen, device))
-    names = [entry.name for entry in entries]
-    values = {**{name: {} for name in names}, **mean_numbers(found)}
+    values = {**{entry.name: {} for entry in entries}, **mean_numbers(found)}
     for name, value in _motion(entries, frames, truth, footage, unseen, device).items():
         values[name] = mean_numbers([{name: values[name] | {"left_over": value}}])[name]
-    floors = tuple(name for name in values if name not in names)
+    floors = tuple(name for name in values if name not in {entry.name for entry in entries})
     yardstick = next((name for name in (aside(ASIDE_DEG[-1]), *floors) if name in floors), None)
     against = ("truth" if truth else "footage" if footage else "nothing") if floors else "nothing"
     return Comparison(

@@ -51,12 +51,9 @@ def report_reconstruction(run: Run, shot: Shot, settings: Settings, inspection: 
     frames = [_frame(run, shot, settings, records, number, number in numbered, device) for number in shown]
     methods = list(frames[0].stills)
     means, floors = pieces.sorted_floors(mean_numbers(frame.metrics for frame in frames), methods)
-    motion = _motion(run, shot, settings, tuple(records), methods[-1], device)
-    if methods[-1] in means and motion:
-        means |= mean_numbers([{methods[-1]: means[methods[-1]] | motion}])
+    means = _with_motion(means, run, shot, settings, tuple(records), methods[-1], device)
     middle = shot.views(shown[len(shown) // 2])
     data = ReportData(
-        title=run.folder.resolve().name,
         subtitle=_subtitle(records, shown, inspection),
         inputs=pieces.view_reports([s.footage.source for s in shot.sources], shot.angles_deg, middle.images),
         warnings=inspection.hints,
@@ -67,15 +64,9 @@ def report_reconstruction(run: Run, shot: Shot, settings: Settings, inspection: 
         metrics_note=AGAINST,
         yardsticks=floors,
         series=_series(records),
-        turntable=pieces.turning(run, settings.output.look),
-        rate=pieces.FILM_RATE,
         options=pieces.options_of(settings.input, settings.reconstruct, settings.output),
         defaults=pieces.options_of(InputOptions(), _default_method(inspection), OutputOptions()),
-        versions=pieces.made_with(run),
-        timings={
-            "frames": sum(record["seconds"] for record in records.values()),
-            "this page": time.perf_counter() - begin,
-        },
+        **pieces.common(run, records, settings.output.look, begin),
     )
     write_report(run.folder / PAGE, data)
     return run.folder / PAGE
@@ -116,12 +107,17 @@ def _numbers(volumes: dict, views: Views, far: np.ndarray | None, options: Recon
     return mean_numbers([found])
 
 
-def _motion(run: Run, shot: Shot, settings: Settings, frames: tuple[int, ...], method: str, device) -> dict:
-    """Return what motion leaves of the result, over the footage's."""
+def _with_motion(
+    means: dict, run: Run, shot: Shot, settings: Settings, frames: tuple[int, ...], method: str, device
+) -> dict:
+    """Return the numbers with what motion leaves of the result, over the footage's."""
+    if method not in means:
+        return means
     unseen = pieces.halfway(shot.angles_deg)
     facts = {"shoulder": settings.reconstruct.shoulder, "pairs": pieces.MOTION_PAIRS, "device": device}
     found = motion_against_footage({method: run.volume}, lambda f: shot.views(f).images, frames, unseen, **facts)
-    return {"left_over": found[method]} if method in found else {}
+    moved = means[method] | ({"left_over": found[method]} if method in found else {})
+    return means | mean_numbers([{method: moved}])
 
 
 def _series(records: dict[int, dict]) -> list[SeriesReport]:

@@ -57,10 +57,8 @@ class _Simulated:
         return followed | {OURS: self.volume(frame)}
 
     def images(self, frame: int) -> np.ndarray | None:
-        """Return the footage of a frame, if there is any of the right size."""
-        if self.footage is None or self.footage.shot.size != (self.source.shape[0], self.source.shape[2]):
-            return None
-        return self.footage.images(frame)
+        """Return the footage of a frame, if there is any."""
+        return self.footage.images(frame) if self.footage else None
 
 
 def report_simulation(run: Run, settings: SimulateSettings, source: Source, *, device=None) -> Path:
@@ -75,29 +73,16 @@ def report_simulation(run: Run, settings: SimulateSettings, source: Source, *, d
     Returns:
         The page, ``report.html`` in the run's folder.
     """
-    begin, missing, document = time.perf_counter(), [], run.settings()
-    try:
-        footage = find_footage(document)
-    except (ValueError, OSError) as error:
-        footage = None
-        missing.append(f"The footage is not to be had, so nothing is compared with it: {describe(error)}")
-    made = _Simulated(
-        run=run,
-        settings=settings,
-        source=source,
-        volumes=open_volumes(run.folder),
-        footage=footage,
-        records=run.records(),
-        device=device,
-    )
-    frames = tuple(made.records)
-    shown = spread(frames, SHOWN_FRAMES)
+    begin = time.perf_counter()
+    footage, missing = _footage(run, source)
+    facts = {"run": run, "settings": settings, "source": source, "footage": footage, "device": device}
+    made = _Simulated(volumes=open_volumes(run.folder), records=run.records(), **facts)
+    shown = spread(tuple(made.records), SHOWN_FRAMES)
     numbered = spread(shown, pieces.NUMBERED_FRAMES)
     pages = [_frame(made, frame, frame in numbered) for frame in shown]
     means, floors = pieces.sorted_floors(mean_numbers(page.metrics for page in pages), [SOURCE, OURS])
     data = ReportData(
-        title=run.folder.resolve().name,
-        subtitle=_subtitle(made, shown),
+        subtitle=f"Simulation. {pieces.headline(tuple(made.records), '', shown, source.shape)}",
         origin="Footage" if footage else "Source",
         inputs=_inputs(made, shown[len(shown) // 2]),
         warnings=[*missing, *warnings(made.records, settings.simulate)],
@@ -108,18 +93,24 @@ def report_simulation(run: Run, settings: SimulateSettings, source: Source, *, d
         yardsticks=floors,
         series=[*course(made.records, source), *speeds(made.volumes, shown, settings.simulate.fps)],
         facts=_facts(made),
-        turntable=pieces.turning(run, settings.output.look, source.volumes.scale),
-        rate=pieces.FILM_RATE,
         options=pieces.options_of(settings.simulate, settings.output),
         defaults=pieces.options_of(SimulateOptions(), source.volumes.output),
-        versions=pieces.made_with(run),
-        timings={
-            "frames": sum(record["seconds"] for record in made.records.values()),
-            "this page": time.perf_counter() - begin,
-        },
+        **pieces.common(run, made.records, settings.output.look, begin, source.volumes.scale),
     )
     write_report(run.folder / PAGE, data)
     return run.folder / PAGE
+
+
+def _footage(run: Run, source: Source) -> tuple[Footage | None, list[str]]:
+    """Return the footage that the run goes back to, if it is still there and fits, and what to say about it."""
+    try:
+        footage = find_footage(run.settings())
+    except (ValueError, OSError) as error:
+        return None, [f"The footage is not to be had, so nothing is compared with it: {describe(error)}"]
+    width, height = source.shape[0], source.shape[2]
+    if footage and footage.shot.size != (width, height):
+        return None, [f"Nothing is compared with the footage: the simulation has another size, {width} x {height}."]
+    return footage, []
 
 
 def _frame(made: _Simulated, frame: int, numbered: bool) -> FrameReport:
@@ -187,11 +178,6 @@ def _inputs(made: _Simulated, frame: int) -> list[InputReport]:
     angles = made.source.volumes.angles_deg
     images = Projector(angles, made.source.shape, device=made.device).project(made.source.volume(frame))
     return pieces.view_reports([made.source.volumes.name] * len(angles), angles, images)
-
-
-def _subtitle(made: _Simulated, shown: list[int]) -> str:
-    words = pieces.headline(tuple(made.records), "", shown, made.source.shape)
-    return f"Simulation. {words}"
 
 
 def _facts(made: _Simulated) -> dict[str, list[dict[str, object]]]:

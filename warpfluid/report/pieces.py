@@ -1,6 +1,7 @@
 """Pictures and numbers that the pages of all runs have in common."""
 
 import dataclasses
+import time
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
@@ -48,6 +49,27 @@ def turning(run: Run, look: str, scale: float = 1.0) -> np.ndarray:
     film = np.stack(list(film_pictures(run, look, FILM_IN_PAGE, scale)))
     step = max(1, film.shape[1] // FILM_ROWS)
     return film[:, ::step, ::step]
+
+
+def common(run: Run, records: Mapping[int, dict], look: str, begin: float, scale: float = 1.0) -> dict[str, object]:
+    """Return what the pages of all runs have: title, film, versions and timings, by the names of ``ReportData``.
+
+    Args:
+        run: The run.
+        records: Its frames.
+        look: Name of a colour ramp.
+        begin: When the page was begun, by ``time.perf_counter``.
+        scale: What brings densities to grey levels.
+    """
+    film = turning(run, look, scale)
+    seconds = sum(record["seconds"] for record in records.values())
+    return {
+        "title": run.folder.resolve().name,
+        "turntable": film,
+        "rate": FILM_RATE,
+        "versions": made_with(run),
+        "timings": {"frames": seconds, "this page": time.perf_counter() - begin},
+    }
 
 
 def view_reports(names: Sequence[str], angles_deg: Sequence[float], images: np.ndarray) -> list[InputReport]:
