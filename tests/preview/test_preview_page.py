@@ -7,11 +7,12 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 from chromium import DRAWN, PROGRAM, Browser
+from scipy import ndimage
 
 from warpfluid.files.npz import write_npz
 from warpfluid.options import PreviewOptions
 from warpfluid.preview import packing
-from warpfluid.preview.page import write_page
+from warpfluid.preview.page import LAMPS, SHADOW, TO_LIGHT, write_page
 from warpfluid.preview.scene import open_scene
 from warpfluid.projector import Projector
 from warpfluid.rendering.ramps import RAMPS, apply_ramp
@@ -169,6 +170,28 @@ def test_absorption_has_its_closed_form(browser, page, depth):
     clear = np.exp(-depth * sums / 255)
     expected = 255 * (1 - clear) / (1 - np.exp(-depth)) + clear * 0.075 * 255
     assert np.abs(browser.picture()[..., 0] - np.minimum(expected, 255)).max() < 5
+
+
+@pytest.mark.slow
+def test_light_from_above_casts_shadows(browser, page):
+    """What reaches a voxel is marched through the volume with SciPy; the picture adds up what is scattered."""
+    path, volumes = page
+    volume, depth = volumes[1001], 6.0
+    address = f"frame=1001&zoom=1&bare=true&ramp=gray&theme=dark&mode=lit&absorption={depth}"
+    browser.open(path, address, size=(volume.shape[0], volume.shape[2]), frame=1001)
+    x, y, z = np.array(TO_LIGHT) / np.linalg.norm(TO_LIGHT)
+    places, towards = np.indices(volume.shape), np.array([x, z, y]).reshape(3, 1, 1, 1)
+    above = 0.5 * sum(ndimage.map_coordinates(volume, places + t * towards, order=1) for t in np.arange(0.25, 60, 0.5))
+    light = LAMPS[0] * np.exp(-SHADOW * depth / 255 * above) + LAMPS[1]
+    optical = depth / 255 * volume[:, ::-1]  # the front first
+    clear = np.exp(-np.cumsum(optical, axis=1))
+    expected = 255 * ((clear * np.exp(optical)) * (1 - np.exp(-optical)) * light[:, ::-1]).sum(axis=1)
+    expected = np.minimum(expected, 255) + clear[:, -1] * 0.075 * 255
+    off = np.abs(browser.picture()[..., 0].T[:, ::-1] - np.minimum(expected, 255))
+    assert off.mean() < 1.5
+    assert np.quantile(off, 0.99) < 16
+    unlit = 255 * (1 - clear[:, -1]) * (LAMPS[0] + LAMPS[1])
+    assert np.abs(np.minimum(unlit, 255) - expected).mean() > 6  # there are shadows to be seen
 
 
 @pytest.mark.slow

@@ -14,6 +14,8 @@ uniform float scale;         // pixels a voxel
 uniform float peak;          // grey levels of the number 1 in the texture
 uniform float gain;          // exposure: what a ray sum is multiplied with, 1 shows 255 as white
 uniform float absorption;    // optical depth of a ray whose sum is 255; 0 for light alone
+uniform sampler3D shade;     // how much light from above reaches a place, as two bytes, axes (x, z, y)
+uniform vec2 lamps;          // light from above and from all around; 0 where the medium glows by itself
 uniform vec3 background;
 out vec4 colour;
 
@@ -39,13 +41,18 @@ void main() {
   for (int i = 0; i < planes; ++i) {
     float light = texture(density, place.yzx).r * peak * spacing;
     float depth = light * absorption / 255.0;
-    sum += clear * light * (depth > 1e-3 ? (1.0 - exp(-depth)) / depth : 1.0 - 0.5 * depth);
+    float seen = depth > 1e-3 ? (1.0 - exp(-depth)) / depth : 1.0 - 0.5 * depth;
+    if (lamps.x > 0.0) {
+      vec2 reaching = texture(shade, place.xzy).rg;
+      light = depth * 255.0 * (lamps.x * (reaching.r + reaching.g / 255.0) + lamps.y);
+    }
+    sum += clear * light * seen;
     clear *= exp(-depth);
     if (clear < 1e-3) break;
     place += stride;
   }
   float level = clamp(sum * gain / 255.0, 0.0, 1.0);
   float entries = float(textureSize(ramp, 0).x);
-  vec3 seen = texture(ramp, vec2((floor(level * (entries - 1.0) + 0.5) + 0.5) / entries, 0.5)).rgb;
-  colour = vec4(seen + clear * background, 1.0);
+  vec3 shown = texture(ramp, vec2((floor(level * (entries - 1.0) + 0.5) + 0.5) / entries, 0.5)).rgb;
+  colour = vec4(shown + clear * background, 1.0);
 }

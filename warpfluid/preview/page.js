@@ -9,7 +9,7 @@
   const RING = 1.04; // radius about the floor, over half its diagonal
   const start = {
     frame: scene.start, angle: scene.angle, elevation: scene.elevation, zoom: 0.92, x: 0, y: 0, ramp: scene.ramp, exposure: scene.exposure,
-    mode: "sum", absorption: 3, box: true, theme: matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light",
+    mode: "sum", absorption: 5, box: true, theme: matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light",
     bare: false,
   };
   const state = { ...start, ...fromAddress() };
@@ -41,8 +41,25 @@
 
   // ---- graphics
 
-  let gl, program, texture, rampTexture;
-  const uniforms = {};
+  let gl, program, uniforms, texture, rampTexture, castShadows;
+
+  function link(shader) {
+    const made = gl.createProgram(), places = {};
+    const corners = "#version 300 es\nvoid main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }";
+    for (const [kind, text] of [[gl.VERTEX_SHADER, corners], [gl.FRAGMENT_SHADER, shader]]) {
+      const part = gl.createShader(kind);
+      gl.shaderSource(part, text);
+      gl.compileShader(part);
+      gl.attachShader(made, part);
+    }
+    gl.linkProgram(made);
+    if (!gl.getProgramParameter(made, gl.LINK_STATUS)) throw new Error("the graphics driver refuses the page's shader");
+    for (let i = 0; i < gl.getProgramParameter(made, gl.ACTIVE_UNIFORMS); ++i) {
+      const { name } = gl.getActiveUniform(made, i);
+      places[name] = gl.getUniformLocation(made, name);
+    }
+    return { program: made, uniforms: places };
+  }
 
   function openGraphics() {
     gl = picture.getContext("webgl2", { alpha: false, antialias: false, preserveDrawingBuffer: true, powerPreference: "high-performance" });
@@ -50,40 +67,22 @@
     if (typeof DecompressionStream === "undefined") throw new Error("this browser is too old to unpack the volumes: use one of 2023 or later");
     const most = gl.getParameter(gl.MAX_3D_TEXTURE_SIZE);
     if (Math.max(...scene.cells) > most) throw new Error(`this graphics card takes ${most} voxels a side, the volumes have ${Math.max(...scene.cells)}: write the page with a smaller --html-size`);
-    program = gl.createProgram();
-    const corners = "#version 300 es\nvoid main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }";
-    for (const [kind, text] of [[gl.VERTEX_SHADER, corners], [gl.FRAGMENT_SHADER, scene.shader]]) {
-      const shader = gl.createShader(kind);
-      gl.shaderSource(shader, text);
-      gl.compileShader(shader);
-      gl.attachShader(program, shader);
-    }
-    gl.linkProgram(program);
-    if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error("the graphics driver refuses the page's shader");
-    gl.useProgram(program);
-    for (let i = 0; i < gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); ++i) {
-      const { name } = gl.getActiveUniform(program, i);
-      uniforms[name] = gl.getUniformLocation(program, name);
-    }
+    ({ program, uniforms } = link(scene.shader));
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     const [nx, ny, nz] = scene.cells;
     texture = gl.createTexture();
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_3D, texture);
     gl.texStorage3D(gl.TEXTURE_3D, 1, gl.R16F, ny, nz, nx);
-    clampTo(gl.TEXTURE_3D, gl.LINEAR);
+    clampTo(gl, gl.TEXTURE_3D, gl.LINEAR);
     rampTexture = gl.createTexture();
     gl.activeTexture(gl.TEXTURE1);
     gl.bindTexture(gl.TEXTURE_2D, rampTexture);
-    clampTo(gl.TEXTURE_2D, gl.NEAREST);
-    gl.uniform1i(uniforms.density, 0);
-    gl.uniform1i(uniforms.ramp, 1);
+    clampTo(gl, gl.TEXTURE_2D, gl.NEAREST);
+    castShadows = makeShadows(gl, scene, link);
+    gl.useProgram(program);
+    for (const [unit, name] of ["density", "ramp", "shade"].entries()) gl.uniform1i(uniforms[name], unit);
     setRamp();
-  }
-
-  function clampTo(target, filter) {
-    for (const side of ["S", "T", "R"]) gl.texParameteri(target, gl["TEXTURE_WRAP_" + side], gl.CLAMP_TO_EDGE);
-    for (const size of ["MIN", "MAG"]) gl.texParameteri(target, gl[`TEXTURE_${size}_FILTER`], filter);
   }
 
   function setRamp() { // the table of apply_ramp: every eighth of a grey level
@@ -166,7 +165,9 @@
     waiting = false;
     const began = performance.now(), { right, up, forward } = axes(), moving = playing || turning || stage.classList.contains("turning");
     const at = fit(picture, (window.devicePixelRatio || 1) / (moving ? coarse : 1));
-    const sum = state.mode === "sum", depth = sum ? 0 : state.absorption;
+    const sum = state.mode === "sum", lit = state.mode === "lit", depth = sum ? 0 : state.absorption;
+    if (lit) castShadows(shown, depth);
+    gl.useProgram(program);
     gl.viewport(0, 0, at.width, at.height);
     for (const [name, value] of Object.entries({ right, up, forward, low: scene.low, high: scene.high, cells: scene.cells }))
       gl.uniform3fv(uniforms[name], value);
@@ -174,7 +175,8 @@
     gl.uniform1f(uniforms.scale, at.scale);
     gl.uniform1f(uniforms.peak, scene.peak);
     gl.uniform1f(uniforms.absorption, depth);
-    gl.uniform1f(uniforms.gain, 2 ** state.exposure * (depth > 0 ? depth / (1 - Math.exp(-depth)) : 1)); // 255 stays white
+    gl.uniform1f(uniforms.gain, 2 ** state.exposure * (depth > 0 && !lit ? depth / (1 - Math.exp(-depth)) : 1)); // 255 stays white
+    gl.uniform2fv(uniforms.lamps, lit ? scene.lamps : [0, 0]);
     gl.uniform3fv(uniforms.background, sum ? [0, 0, 0] : backdrop());
     gl.drawArrays(gl.TRIANGLES, 0, 3);
     drawLines({ right, up });
@@ -341,7 +343,8 @@
     Home: () => change({ frame: 0 }), End: () => change({ frame: packed.length - 1 }),
     ArrowUp: () => change({ exposure: state.exposure + 0.25 }), ArrowDown: () => change({ exposure: state.exposure - 0.25 }),
     c: () => change({ ramp: next(Object.keys(scene.ramps), state.ramp) }), t: turn, b: box, d: theme, s: save,
-    a: () => change({ mode: next(["sum", "absorbing"], state.mode) }), h: () => change({ bare: !state.bare }),
+    a: () => change({ mode: state.mode === "absorbing" ? "sum" : "absorbing" }),
+    l: () => change({ mode: state.mode === "lit" ? "sum" : "lit" }), h: () => change({ bare: !state.bare }),
     "+": () => change({ zoom: state.zoom * 1.15 }), "=": () => change({ zoom: state.zoom * 1.15 }),
     "-": () => change({ zoom: state.zoom / 1.15 }),
     0: () => change({ angle: start.angle, elevation: start.elevation, zoom: start.zoom, x: 0, y: 0, exposure: start.exposure }),

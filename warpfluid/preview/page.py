@@ -22,6 +22,10 @@ from warpfluid.preview.scene import Scene
 from warpfluid.rendering.ramps import RAMPS
 
 TABLE_TOP = 4096.0  # of the page's half floats: it keeps the faintest of them precise
+SHADERS = {"shader": "page.frag", "shade": "shade.frag"}
+TO_LIGHT = (-0.6, 1.0, 0.45)  # (x, y, z): from above, the left and the front
+LAMPS = (0.95, 0.22)  # light from there, and from all around; a lit face is a little above white
+SHADOW = 0.6  # share of the extinction that takes light on its way in: the rest is scattered on, not lost
 OVERHEAD = 60_000  # characters that are neither volumes nor the still picture
 
 
@@ -77,7 +81,7 @@ def write_page(
         facts="".join(f"<tr><td>{escape(name)}</td><td>{escape(text)}</td></tr>" for name, text in facts.items()),
         scene=_as_script(_described(scene, extent, size)),
         frames="\n".join(f'<script type="text/plain" class="frame">{text}</script>' for text in packed),
-        script=(package / "page.js").read_text("utf-8"),
+        script="".join((package / name).read_text("utf-8") for name in ("shade.js", "page.js")),
     )
     data = page.encode()
     with replacing(path) as file:
@@ -108,7 +112,10 @@ def _described(scene: Scene, extent: packing.Extent, size: tuple[int, int, int])
         "ramp": scene.look,
         "ramps": {name: [[grey, *colour] for grey, colour in stops.items()] for name, stops in RAMPS.items()},
         "exposure": scene.exposure,
-        "shader": (files("warpfluid.preview") / "page.frag").read_text("utf-8"),
+        "light": TO_LIGHT,
+        "lamps": LAMPS,
+        "shadow": SHADOW,
+        **{name: (files("warpfluid.preview") / file).read_text("utf-8") for name, file in SHADERS.items()},
     }
 
 
