@@ -13,6 +13,7 @@ from warpfluid.device import pick_device
 from warpfluid.kernels import (
     advection,
     blur,
+    bricks,
     centres,
     coarsen,
     coefficients,
@@ -32,6 +33,7 @@ from warpfluid.kernels import (
     guidance,
     lamps,
     lattice,
+    march,
     multigrid,
     optical_flow,
     pair_prices,
@@ -42,11 +44,13 @@ from warpfluid.kernels import (
     pushes,
     ramp,
     reach,
+    sad,
     scattered,
     shadow,
     shapes,
     shares,
     spline,
+    stochastic,
     surfaces,
     swirl,
     totals,
@@ -61,6 +65,7 @@ from warpfluid.kernels.sides import CLOSED, OPEN, SIX
 from warpfluid.projector import directions
 
 N, HEIGHTS, ANGLES = 6, 50, [0.0, 30.0, 90.0]
+SLABS = -(-HEIGHTS // stochastic.SLAB)
 
 
 def floats(*shape):
@@ -73,6 +78,10 @@ def vectors_of(*shape):
 
 def bytes_(*shape):
     return lambda device: wp.full(shape, 1, dtype=wp.uint8, device=device)
+
+
+def whole(*shape):
+    return lambda device: wp.zeros(shape, dtype=int, device=device)
 
 
 def fan(device):
@@ -114,6 +123,17 @@ stepped = {"sides": placed["sides"], "time_step": 0.1}
 SHARED = {"checks", "faces", "launch", "places", "random_waves", "sampling", "sides"}
 LAUNCHING = sorted({module.name for module in iter_modules(kernels.__path__)} - SHARED)
 
+
+def scene(device):
+    """Fog in front of a camera."""
+    found = march.Scene()
+    found.camera = wp.array([*range(12), 1, 0, 0, 0], dtype=wp.float64, device=device)
+    found.f0 = found.f1 = found.f2 = found.f3 = volume(device)
+    found.extinction, found.emission = floats(2, 1)(device), floats(2, 3)(device)
+    found.bricks, found.field_count, found.error = floats(1, 1, 7)(device), 1, 0.1
+    return found
+
+
 # Every public launcher: its arrays by name, and its other arguments.
 LAUNCHERS = {
     blur.blur: ({"field": volume, "scratch": volume, "out": volume}, {"sigma": 1.0}),
@@ -133,6 +153,8 @@ LAUNCHERS = {
         },
         {"footprint": "box"},
     ),
+    bricks.brick_maxima: ({"field": volume, "out": floats(1, 1, 7)}, {}),
+    march.march_rays: (dict.fromkeys(("color", "emission", "sums"), floats(5, 4, 3)), {"scene": scene}),
     blur.convolve: ({"field": volume, "scratch": volume, "out": volume}, {"taps": (None, None, None)}),
     advection.advect: (
         {"field": volume, "velocity_x": volume, "velocity_z": volume, "velocity_y": volume, "out": volume},
@@ -287,6 +309,26 @@ LAUNCHERS = {
     ),
     vectors.apply_mean: ({"field": volume, "total": volume, "seen": volume}, {}),
     vectors.fade: ({"field": volume, "share": volume, "cover": volume}, {"limit": 0.5}),
+    sad.sad: ({"volume": volume}, {}),
+    sad.raise_dual: ({"volume": volume, "dual": paths}, {"step": 0.5, "weight": 1.0}),
+    sad.lower_primal: (
+        {"gradient": volume, "dual": paths, "hull": volume, "volume": volume, "ahead": volume},
+        {"step": 0.1},
+    ),
+    sad.raise_views: ({"dual": images, "rendered": images, "wanted": images}, {"step": 0.5}),
+    stochastic.walk: (
+        {
+            "volume": floats(HEIGHTS, N, N),
+            "residual": floats(HEIGHTS, len(ANGLES), N),
+            "hull": bytes_(HEIGHTS, N, N),
+            "directions": fan,
+            "weights": floats(len(ANGLES)),
+            "counts": whole(SLABS),
+            "places": whole(2 * SLABS, 3),
+            "accepted": whole(SLABS),
+        },
+        {"quantum": 1.0, "sad": 1.0, "seed": 0, "sweep": 0},
+    ),
     visual_hull.silhouette_hull: ({"lit": silhouettes, "directions": fan, "out": volume}, {}),
     visual_hull.occupied_runs: ({"hull": volume}, {}),
     correlation.expand: (
@@ -352,6 +394,7 @@ OPTIONAL = {
     (shadow.shadow, "out"),
     (curves.look_up, "times"),
     (curves.look_up, "out"),
+    (bricks.brick_maxima, "out"),
     (blur.blur, "scratch"),
     (blur.blur, "out"),
     (blur.convolve, "scratch"),
@@ -377,6 +420,7 @@ OPTIONAL = {
     (visual_hull.silhouette_hull, "out"),
 }
 MAY_BE_SHORT = {
+    (bricks.brick_maxima, "field"),  # within a brick
     (pair_prices.price_pairs, "picture"),
     (pictures.resize, "field"),
     (coarsen.coarsen, "field"),
@@ -394,6 +438,7 @@ MAY_BE_SHORT = {
     (totals.total, "field"),
     (vectors.clip, "field"),
     (vectors.largest, "a"),
+    (sad.sad, "volume"),
     (visual_hull.occupied_runs, "hull"),
     (projection.project, "volume"),  # a part of the box
     (projection.ray_spans, "occupied"),
@@ -448,6 +493,7 @@ CASES = [
 
 def arguments(launcher, device):
     arrays, others = LAUNCHERS[launcher]
+    others = {name: other(device) if callable(other) else other for name, other in others.items()}
     return {name: make(device) for name, make in arrays.items()} | others
 
 

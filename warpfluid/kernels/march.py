@@ -43,7 +43,8 @@ MARCH = (
         density_sum += 0.5f * length * (float)wp::abs(q - start.q) * (start.density + end.density);
         if (scene.adapt && !opaque && may_err(start, end) > bound())
             halve(start, end);
-        else
+        else if (start.extinction + end.extinction + start.light[0] + start.light[1] + start.light[2] + end.light[0]
+            + end.light[1] + end.light[2] > 0.0f)
             pass(start, end);
         mark(q);
         start = end;
@@ -53,7 +54,7 @@ MARCH = (
         color.data[3 * pixel + c] = seen[c];
         emission.data[3 * pixel + c] = glow[c];
     }}
-    sums.data[3 * pixel] = 1.0f - open;
+    sums.data[3 * pixel] = hidden;
     sums.data[3 * pixel + 1] = total > 0.0f ? (float)half_way() : -1.0f;
     sums.data[3 * pixel + 2] = density_sum;
 """
@@ -75,7 +76,7 @@ class Scene:
         reads: Which field each of the three curves reads.
         times: Which field multiplies it, or -1.
         per_entry: Entries a unit of the field.
-        bricks: 0 where there is nothing to meet, a brick of voxels each.
+        bricks: The most extinction or light in each brick of voxels [1/voxel], 0 where there is nothing to meet.
         suns: Direction to each sun (x, z, y) and its colour, shape (sun, 6).
         shadows: Transmittance to each, shape (sun, x, z, y), or none.
         ambient: Mean radiance from elsewhere, shape (x, z, y), or none.
@@ -99,7 +100,7 @@ class Scene:
     reads: wp.vec3i
     times: wp.vec3i
     per_entry: wp.vec3
-    bricks: wp.array3d[wp.uint8]
+    bricks: wp.array3d[float]
     suns: wp.array2d[float]
     shadows: wp.array4d[float]
     ambient: wp.array3d[wp.vec3]
@@ -162,10 +163,9 @@ def _check(scene: Scene, color: wp.array, emission: wp.array, sums: wp.array) ->
     light = {name: getattr(scene, name) for name in ("suns", "shadows", "ambient", "limits")}
     light = {name: array for name, array in light.items() if array is not None}
     device = checks.same_device(**pictures, camera=scene.camera, bricks=scene.bricks, **fields, **curves, **light)
-    checks.floats(3, **pictures, **fields)
+    checks.floats(3, bricks=scene.bricks, **pictures, **fields)
     checks.floats(2, **curves)
     checks.typed(wp.float64, 1, camera=scene.camera)
-    checks.typed(wp.uint8, 3, bricks=scene.bricks)
     checks.same_shape(**fields)
     checks.shape((*color.shape[:2], 3), **pictures)
     checks.shape((CAMERA,), camera=scene.camera)

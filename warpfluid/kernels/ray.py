@@ -12,6 +12,8 @@ from warpfluid.kernels.bricks import BRICK
 CAMERA = 16  # numbers: eye, right, up, forward (x, z, y each), pixel, shift right, shift up, perspective
 EXTINCTION, EMISSION, ALBEDO = range(3)
 MOST_SUNS = 8
+UNSEEN = 1 / 64  # of what there may be between two planes at the most
+SHARE = 1 / 6  # of the tolerance that one interval may use up
 FINEST = 1 / 16  # of the distance between two planes
 
 # The ray: `origin`, `toward` (depth 1 along forward), `main` axis and how the others run with it, `from` and `to`.
@@ -158,9 +160,9 @@ MEET = f"""
     }};
 """
 
-# Defines `pass(start, end)`: adds an interval's light to `seen` and `glow`, and takes its share from `open`.
+# Defines `pass(start, end)`: adds an interval's light to `seen` and `glow`, and its opacity to `hidden`.
 PASS = """
-    float open = 1.0f, seen[3] = {}, glow[3] = {}, density_sum = 0.0f;
+    float open = 1.0f, hidden = 0.0f, seen[3] = {}, glow[3] = {}, density_sum = 0.0f;
     const auto pass = [&](const Sample& start, const Sample& end) {
         const float h = length * (float)wp::abs(end.q - start.q);
         const float depth = 0.5f * h * (start.extinction + end.extinction);
@@ -173,6 +175,7 @@ PASS = """
             seen[c] += factor * (start.light[c] + end.light[c]);
             glow[c] += factor * (start.emission[c] + end.emission[c]);
         }
+        hidden += open * (depth < 0.1f ? depth * mean : 1.0f - kept);
         open *= depth < 0.1f ? 1.0f - depth * mean : kept;
     };
 """
@@ -185,11 +188,14 @@ ERRORS = """
             most = wp::max(most, wp::abs(start.light[c] * end.extinction - end.light[c] * start.extinction));
         return open * h * h * most / 12.0f;
     };
+    const float slant = (float)wp::max(wp::abs(slope_a), wp::abs(slope_b));
+    float unknown = 0.0f;  // how much more than seen on the planes may be met between them
     const auto may_err = [&](const Sample& start, const Sample& end) {
         const float h = length * (float)wp::abs(end.q - start.q);
         float most = wp::abs(end.extinction - start.extinction);
         for (int c = 0; c < 3; ++c) most = wp::max(most, wp::abs(end.light[c] - start.light[c]));
-        return wp::max(open * h * most * 0.125f, unequal(start, end, h));
+        const float unseen = unknown * h * (float)wp::abs(end.q - start.q) * wp::abs(end.q - start.q);
+        return wp::max(open * wp::max(h * most * 0.125f, unseen), unequal(start, end, h));
     };
     const auto does_err = [&](const Sample& start, const Sample& middle, const Sample& end) {
         const float h = length * (float)wp::abs(end.q - start.q);
@@ -203,7 +209,7 @@ ERRORS = """
 # Defines `bound()` and `halve(start, end)`: passes an interval in as many parts as keep the error within the bound.
 HALVE = f"""
     const auto bound = [&]() {{
-        return scene.error * wp::max(1.0f, wp::max(seen[0], wp::max(seen[1], seen[2])));
+        return {SHARE} * scene.error * wp::max(1.0f, wp::max(seen[0], wp::max(seen[1], seen[2])));
     }};
     const auto halve = [&](Sample start, const Sample& end) {{
         Sample ends[6] = {{end}};
@@ -227,8 +233,9 @@ HALF_WAY = """
     int filled = 0;
     double begun = from;
     const auto mark = [&](double q) {
-        const float now = 1.0f - open + (seen[0] + seen[1] + seen[2]) * (1.0f / 3.0f);
-        if (now <= 0.0f) { begun = q; return; }
+        const float now = hidden + (seen[0] + seen[1] + seen[2]) * (1.0f / 3.0f);
+        if (total == 0.0f && now == 0.0f) begun = q;
+        if (now <= total) return;
         int bin = (int)wp::ceil((float)wp::abs(q - begun) * per_bin) - 1;
         for (; bin >= BINS; bin >>= 1, filled = (filled + 1) >> 1, per_bin *= 0.5f) {
             for (int i = filled; i < BINS; ++i) reached[i] = total;
@@ -265,6 +272,8 @@ DARK = f"""
             ahead = wp::min(ahead, i ? (float)((end - p[i]) / pace[i]) : (float)wp::abs(end - cell - (way < 0)));
         }}
         planes = wp::max((int)ahead, 1);
-        return !scene.bricks.data[(at[0] * scene.bricks.shape[1] + at[1]) * scene.bricks.shape[2] + at[2]];
+        const float most = scene.bricks.data[(at[0] * scene.bricks.shape[1] + at[1]) * scene.bricks.shape[2] + at[2]];
+        unknown = {UNSEEN} * slant * most;
+        return most == 0.0f;
     }};
 """

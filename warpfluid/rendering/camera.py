@@ -38,8 +38,7 @@ class Camera:
     shift: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self):
-        if len(self.size) != 2 or min(self.size) < 1:
-            raise ValueError(f"size is {self.size}, expected a width and a height of at least 1 pixel")
+        _check_size(self.size)
         if not (np.isfinite(self.pixel) and self.pixel > 0):
             raise ValueError(f"pixel is {self.pixel}, expected a positive width")
         for name in ("eye", "right", "up", "forward"):
@@ -103,6 +102,7 @@ def orthographic(
         raise ValueError(f"zoom is {zoom}, expected a positive number")
     wide, high = max(shape[0], shape[1]), shape[2]
     size = (wide, high) if size is None else tuple(size)
+    _check_size(size)
     target = middle(shape) if target is None else np.asarray(target, np.float64)
     right, up, forward = _axes(angle_deg, elevation_deg)
     reach = 0.5 * float(np.linalg.norm(shape)) + float(np.linalg.norm(target - middle(shape))) + MARGIN
@@ -137,6 +137,7 @@ def perspective(
     if not (np.isfinite(distance) and distance > 0):
         raise ValueError(f"distance is {distance}, expected a positive number of voxels")
     size = (max(shape[0], shape[1]), shape[2]) if size is None else tuple(size)
+    _check_size(size)
     target = middle(shape) if target is None else np.asarray(target, np.float64)
     right, up, forward = _axes(angle_deg, elevation_deg)
     return Camera(
@@ -227,6 +228,7 @@ def _axes(angle_deg: float, elevation_deg: float) -> tuple[np.ndarray, np.ndarra
 
 
 def _pixel(field_of_view_deg: float, size: tuple[int, int]) -> float:
+    _check_size(size)
     if not 0 < field_of_view_deg < 180:
         raise ValueError(f"field_of_view_deg is {field_of_view_deg}, expected a number between 0 and 180")
     return 2 * math.tan(math.radians(field_of_view_deg) / 2) / size[1]
@@ -237,6 +239,11 @@ def _unit(vector: np.ndarray, what: str) -> np.ndarray:
     if not 1e-9 < length < np.inf:
         raise ValueError(f"{what} give no direction: they must be finite and differ")
     return vector / length
+
+
+def _check_size(size: Sequence[int]) -> None:
+    if len(size) != 2 or min(size) < 1:
+        raise ValueError(f"size is {tuple(size)}, expected a width and a height of at least 1 pixel")
 
 
 def _check_shape(shape: Sequence[int]) -> None:
