@@ -263,9 +263,11 @@ def set_up_render(record, look, choices):
     """Choose engine, frames, background and tone."""
     scene, frames = bpy.context.scene, sorted(int(frame) for frame in record["frames"])
     scene.render.engine = "CYCLES"
-    scene.cycles.samples, scene.cycles.volume_max_steps = choices.samples, 4096
-    scene.cycles.volume_step_rate = 1.0
-    scene.cycles.use_denoising = False  # not every Blender has it, and it smears wisps
+    scene.cycles.samples = choices.samples
+    # Not every Blender can denoise, and it smears wisps.
+    for name, value in (("volume_max_steps", 4096), ("volume_step_rate", 1.0), ("use_denoising", False)):
+        if hasattr(scene.cycles, name):
+            setattr(scene.cycles, name, value)
     scene.frame_start, scene.frame_end = frames[0], frames[-1]
     scene.frame_set(choices.frame if choices.frame is not None else frames[len(frames) // 2])
     scene.render.fps = max(1, round(record["fps"]))
