@@ -54,6 +54,7 @@ def test_unseen_angles():
     assert unseen_angles([0]) == unseen_angles([180]) == unseen_angles([-360]) == tuple(range(15, 180, 15))
     assert set(unseen_angles([-52])) == {*range(0, 180, 15)} - {135}
     assert len(unseen_angles([])) == 12
+    assert unseen_angles(range(0, 180, 10)) == tuple(range(5, 180, 10))
 
 
 def test_against_footage():

@@ -6,7 +6,7 @@ the footage, and the floors are the views of the footage against each other and 
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from itertools import permutations
+from itertools import pairwise, permutations
 
 import numpy as np
 
@@ -27,10 +27,16 @@ def aside(degrees: float) -> str:
 
 
 def unseen_angles(given_deg: Sequence[float]) -> tuple[float, ...]:
-    """Return angles that are not given, all around; half a turn only mirrors a view."""
+    """Return angles all around that are not near given ones, or half-way between many; half a turn only mirrors."""
     around = np.arange(0, 180, STEP_DEG)
     apart = [np.abs((around - angle + 90) % 180 - 90) for angle in given_deg] or [np.full(around.shape, 90.0)]
-    return tuple(map(float, around[np.min(apart, axis=0) >= NEAREST_DEG]))
+    return tuple(map(float, around[np.min(apart, axis=0) >= NEAREST_DEG])) or tuple(halfway(given_deg))
+
+
+def halfway(angles_deg: Sequence[float]) -> list[float]:
+    """Return the angles half-way between neighbouring views: the farthest from all that is known."""
+    angles = sorted(angle % 180 for angle in angles_deg)
+    return [(a + b) / 2 for a, b in pairwise([*angles, angles[0] + 180])]
 
 
 def views_of(volume: np.ndarray, angles_deg: Sequence[float], *, shoulder: float = 0.0, device=None) -> np.ndarray:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from warpfluid.comparison.comparison import other_moment
-from warpfluid.comparison.measure import against_footage, as_given, mean_numbers, upright
+from warpfluid.comparison.measure import against_footage, as_given, halfway, mean_numbers, upright
 from warpfluid.comparison.motion import motion_against_footage, speeds
 from warpfluid.files.sequences import format_frames
 from warpfluid.footage.estimate import SHOWN_FRAMES
@@ -100,7 +100,7 @@ def _numbers(volumes: dict, views: Views, far: np.ndarray | None, options: Recon
     """Compare every method with the footage, also at another moment: there is no truth."""
     if not (views.images > options.threshold).any(axis=(1, 2)).all():
         return {}
-    unseen, facts = pieces.halfway(views.angles_deg), {"shoulder": options.shoulder, "device": device}
+    unseen, facts = halfway(views.angles_deg), {"shoulder": options.shoulder, "device": device}
     found = against_footage(volumes, views.images, views.angles_deg, unseen, other_frame=far, **facts)
     for name in volumes if found else ():
         found[name] |= as_given(volumes[name], upright(views.images), views.angles_deg, **facts)
@@ -113,7 +113,7 @@ def _with_motion(
     """Return the numbers with what motion leaves of the result, over the footage's."""
     if method not in means:
         return means
-    unseen = pieces.halfway(shot.angles_deg)
+    unseen = halfway(shot.angles_deg)
     facts = {"shoulder": settings.reconstruct.shoulder, "pairs": pieces.MOTION_PAIRS, "device": device}
     found = motion_against_footage({method: run.volume}, lambda f: shot.views(f).images, frames, unseen, **facts)
     moved = means[method] | ({"left_over": found[method]} if method in found else {})

@@ -8,7 +8,7 @@ import numpy as np
 
 from warpfluid.comparison.comparison import other_moment
 from warpfluid.comparison.footage import Footage, find_footage
-from warpfluid.comparison.measure import against_footage, as_given, mean_numbers, upright
+from warpfluid.comparison.measure import against_footage, as_given, halfway, mean_numbers, upright
 from warpfluid.comparison.motion import motion_against_footage
 from warpfluid.errors import describe
 from warpfluid.footage.estimate import SHOWN_FRAMES
@@ -144,7 +144,7 @@ def _numbers(made: _Simulated, frame: int, volumes: dict[str, np.ndarray]) -> di
     angles, other = made.footage.angles_deg, other_moment(frame, tuple(made.records))
     facts = {"shoulder": made.footage.shoulder, "device": made.device}
     far = made.images(other) if other != frame else None
-    found = against_footage(volumes, images, angles, pieces.halfway(angles), other_frame=far, **facts)
+    found = against_footage(volumes, images, angles, halfway(angles), other_frame=far, **facts)
     for name in volumes if found else ():
         found[name] |= as_given(volumes[name], upright(images), angles, **facts)
     return pieces.sorted_floors(mean_numbers([found]), list(volumes))[0]
@@ -159,7 +159,7 @@ def _with_motion(made: _Simulated, means: dict) -> dict:
     if set(frames) <= set(made.source.frames):
         volumes[SOURCE] = made.source.volume
     facts = {"shoulder": made.footage.shoulder, "pairs": pieces.MOTION_PAIRS, "device": made.device}
-    unseen = pieces.halfway(made.footage.angles_deg)
+    unseen = halfway(made.footage.angles_deg)
     found = motion_against_footage(volumes, made.images, frames, unseen, **facts)
     return {
         name: mean_numbers([{name: numbers | ({"left_over": found[name]} if name in found else {})}])[name]

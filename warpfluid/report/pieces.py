@@ -3,7 +3,6 @@
 import dataclasses
 import time
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 
 import numpy as np
 
@@ -77,12 +76,6 @@ def view_reports(names: Sequence[str], angles_deg: Sequence[float], images: np.n
     pictures = apply_ramp(images.transpose(0, 2, 1)[:, ::-1], "gray")
     rows = zip(names, angles_deg, pictures, strict=True)
     return [InputReport(name=name, angle_deg=angle, picture=picture) for name, angle, picture in rows]
-
-
-def halfway(angles_deg: Sequence[float]) -> list[float]:
-    """Return the angles half-way between neighbouring views: the farthest from all that is known."""
-    angles = sorted(angle % 180 for angle in angles_deg)
-    return [(a + b) / 2 for a, b in pairwise([*angles, angles[0] + 180])]
 
 
 def sorted_floors(numbers: Mapping[str, Numbers], methods: Sequence[str]) -> tuple[dict[str, Numbers], list[str]]:
