@@ -132,6 +132,27 @@ def test_a_pixel_a_voxel_is_the_projection(browser, page, angle):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("shape", "lit", "where"),
+    [((6, 6, 9), None, None), ((1, 1, 1), (0, 0, 0), (50, 50)), ((7, 5, 9), (6, 0, 4), (83, 50))],
+)
+def test_odd_boxes(browser, tmp_path, shape, lit, where):
+    """An empty volume is black, a single voxel shows where it is, also in a box that is not as wide as deep."""
+    volume = np.zeros(shape, np.float32)
+    if lit:
+        volume[lit] = 1
+    write_npz(tmp_path / "a.1.npz", volume.swapaxes(1, 2))
+    write_page(tmp_path / "page.html", open_scene(tmp_path), budget=1.0)
+    browser.open(tmp_path / "page.html", "bare=true&zoom=1&ramp=gray", size=(100, 100), frame=1)
+    picture = browser.picture()[..., 0]
+    if not lit:
+        assert not picture.any()
+        return
+    rows, columns = np.nonzero(picture > 200)
+    np.testing.assert_allclose([columns.mean(), rows.mean()], where, atol=4)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("look", ["fire", "smoke"])
 def test_it_looks_like_the_turntable(browser, page, look):
     """At twice the size its linear interpolation stays near the turntable's cubic one."""
