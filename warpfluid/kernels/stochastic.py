@@ -2,10 +2,10 @@
 
 The energy is the weighted squared difference of rendered and measured views plus ``sad`` times the sum of absolute
 differences between neighbours. A chain proposes a box of 1, 2 or 4 voxels a side near its place, works out what a
-quantum more or less there does to the energy, and applies whichever lowers it. Chains are bound to slabs of ``SLAB``
-heights, which share no pixel, so one thread walks a slab with all its chains and owns what it writes; of neighbouring
-slabs only one moves at a time. Random numbers are counted, not drawn from a state: hashes of seed, sweep, chain and
-step. So a seed gives the same bits for any number of threads.
+quantum more or less there does to the energy, and applies whichever lowers it, or by Metropolis's rule what raises it
+a little. Chains are bound to slabs of ``SLAB`` heights, which share no pixel, so one thread walks a slab with all its
+chains and owns what it writes; of neighbouring slabs only one moves at a time. Random numbers are counted, not drawn
+from a state: hashes of seed, sweep, chain and step. So a seed gives the same bits for any number of threads.
 """
 
 import numpy as np
@@ -155,8 +155,9 @@ WALK = (
     + """
     const auto side = [](unsigned bits) { return bits % 8 < 6 ? 1 : bits % 8 < 7 ? 2 : 4; };
     for (int chain = first_chain; chain < last && high > 0; ++chain) {
-        int* kept = places.data + 4 * (size_t)chain;
-        int here[3] = {kept[0], kept[1], bottom + wp::clamp(kept[2], 0, high - 1)}, one[3] = {1, 1, 1};
+        int* kept = places.data + 3 * (size_t)chain;
+        int here[3], one[3] = {1, 1, 1}, ends[3] = {nx, nz, high};
+        for (int i = 0; i < 3; ++i) here[i] = wp::clamp(kept[i], 0, ends[i] - 1) + (i == 2 ? bottom : 0);
         float ignored, now = weigh(here, one, ignored);
         for (int step = 0; step < steps; ++step) {
             const unsigned long long a = draw(chain, step, 0), b = draw(chain, step, 1);
@@ -177,7 +178,8 @@ WALK = (
             if (there[0] < 0 || there[1] < 0 || there[0] + size[0] > nx || there[1] + size[1] > nz) continue;
             float change;
             const float then = weigh(there, size, change);
-            if (then > 0.0f) {
+            const float luck = (float)(mix(a ^ b) >> 40) * 5.9604645e-8f;  // from 0 to 1
+            if (then > 0.0f || (then > -16.0f * heat && luck < wp::exp(then / heat))) {
                 apply(there, size, change);
                 ++applied;
             }
@@ -205,6 +207,7 @@ def walk_slab(
     footprint: int,
     quantum: float,
     sad: float,
+    heat: float,
     seed: int,
     sweep: int,
     chains_a_slab: int,
@@ -232,6 +235,7 @@ def walk_kernel(
     footprint: int,
     quantum: float,
     sad: float,
+    heat: float,
     seed: int,
     sweep: int,
     chains_a_slab: int,
@@ -251,6 +255,7 @@ def walk_kernel(
         footprint,
         quantum,
         sad,
+        heat,
         seed,
         sweep,
         chains_a_slab,
@@ -261,11 +266,6 @@ def walk_kernel(
         places,
         accepted,
     )
-
-
-def slab_count(heights: int, shift: int) -> int:
-    """Return how many slabs cover all heights, the first beginning ``shift`` below them."""
-    return -(-(heights + shift) // SLAB)
 
 
 def walk(
@@ -282,6 +282,7 @@ def walk(
     sad: float,
     seed: int,
     sweep: int,
+    heat: float = 0.0,
     shift: int = 0,
     corner: tuple[int, int] = (0, 0),
     footprint: str = "box",
@@ -295,13 +296,14 @@ def walk(
         directions: cos t, sin t, m and 1 / m of every view's angle.
         weights: One factor a view.
         counts: Steps that each chain of a slab takes, shape (slab,).
-        places: Where the chains are: x, z, height above the slab's bottom, and nothing, shape (chain, 4); every slab
-            has as many, one slab's after the other's.
+        places: Where the chains are: x, z and height above the slab's bottom, shape (chain, 3); every slab has as many,
+            one slab's after the other's.
         accepted: Applied quanta to write, shape (slab,).
         quantum: [grey level].
         sad: Weight of the sum of absolute differences [grey level].
         seed: Of the random numbers.
         sweep: Number of the sweep: another one makes other random numbers.
+        heat: Temperature: a proposal that raises the energy by as much is applied with probability 1/e; 0 for never.
         shift: How far below the volume the first slab begins, less than ``SLAB``.
         corner: Where in the box the volume begins (x, z).
         footprint: ``box`` or ``joseph``.
@@ -321,13 +323,13 @@ def walk(
     views = directions.shape[0]
     checks.shape((volume.shape[0], views, residual.shape[2]), residual=residual)
     checks.shape((views,), weights=weights)
-    slabs = slab_count(volume.shape[0], shift)
+    slabs = len(range(-shift, volume.shape[0], SLAB))
     checks.shape((slabs,), counts=counts, accepted=accepted)
-    if places.shape[0] % slabs or places.shape[1] != 4:
+    if places.shape[0] % slabs or places.shape[1] != 3:
         found = tuple(places.shape)
-        raise ValueError(f"places has shape {found}, expected (chains, 4), as many for each of {slabs} slabs")
+        raise ValueError(f"places has shape {found}, expected (chains, 3), as many for each of {slabs} slabs")
     inputs = [volume, residual, hull, directions, weights, wp.vec2i(corner), FOOTPRINTS[footprint]]
     bits = int(np.uint32(seed).view(np.int32))
-    inputs += [quantum, sad, bits, sweep, places.shape[0] // slabs, counts, places, accepted]
+    inputs += [quantum, sad, heat, bits, sweep, places.shape[0] // slabs, counts, places, accepted]
     for colour in (0, 1):
         each(walk_kernel, (slabs - colour + 1) // 2, [colour, shift, *inputs], device)

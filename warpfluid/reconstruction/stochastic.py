@@ -1,10 +1,13 @@
 """Stochastic tomography: the energy falls by random walks (Gregson et al. 2012; Section 5).
 
 Chains add or take quanta of light wherever that lowers the squared differences of the views plus a weighted sum of
-absolute differences between neighbours (SAD), and stay where that pays. Sweeps follow each other with smaller quanta:
-a quantum is halved when few proposals are applied, and never is larger than a geometric course to the smallest.
+absolute differences between neighbours (SAD), and stay where that pays. Sweeps follow each other with smaller and
+smaller quanta. A change of a few voxels alone cannot leave the corners that absolute differences have, so a proposal
+that raises the energy is applied, too, with Metropolis's probability at a temperature of ``sad`` times the quantum;
+the last sweeps are cold.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +18,7 @@ from warpfluid.projector import directions
 from warpfluid.reconstruction.convex import Progress, SadEnergy
 
 SWEEPS = 48
-BUSY = 0.1  # share of applied proposals below which quanta are halved
+COLD = 1 / 6  # share of the sweeps, the last ones
 FINEST = 2.0**-8  # the smallest quantum over the first
 
 
@@ -30,6 +33,7 @@ class WalkOptions:
         seed: Of the random numbers.
         sweeps: Number of sweeps that share the mutations.
         first_sweep: Number of the first; other sweeps have other random numbers.
+        heat: Temperature of the warm sweeps over the SAD of a quantum between two voxels; 0 only ever goes down.
     """
 
     mutations: int
@@ -38,6 +42,7 @@ class WalkOptions:
     seed: int
     sweeps: int = SWEEPS
     first_sweep: int = 0
+    heat: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -67,14 +72,13 @@ def random_walk(energy: SadEnergy, volume: wp.array, options: WalkOptions, *, pr
     """
     chains = _Chains(energy, volume.shape, options)
     energies, rates = np.zeros((options.sweeps, 2)), np.zeros((options.sweeps, 2))
-    quantum, smallest, before = options.quantum, options.quantum * FINEST, energy(volume)
+    warm, before = math.ceil(options.sweeps * (1 - COLD)), energy(volume)
     for sweep in range(options.sweeps):
-        quantum = min(quantum, options.quantum * FINEST ** (sweep / max(options.sweeps - 1, 1)))
-        rates[sweep] = chains.sweep(volume, quantum, sweep), quantum
+        quantum = options.quantum * FINEST ** min(sweep / max(warm - 1, 1), 1)
+        heat = options.heat * energy.weight * quantum if sweep < warm else 0.0
+        rates[sweep] = chains.sweep(volume, quantum, heat, sweep), quantum
         energies[sweep] = before, energy(volume)
         before = energies[sweep, 1]
-        if rates[sweep, 0] < BUSY:
-            quantum = max(quantum / 2, smallest)
         if progress:
             progress(sweep + 1, before)
     return Walk(energies, rates)
@@ -91,22 +95,19 @@ class _Chains:
         weights = np.ones(len(energy.projector.angles_deg)) if energy.weights is None else energy.weights
         self._weights = wp.array(weights, dtype=float, device=self._device)
         self._directions = directions(np.array(energy.projector.angles_deg), self._device)
-        slabs = stochastic.slab_count(shape[2], stochastic.SLAB // 2)
+        slabs = len(_slabs(shape[2], stochastic.SLAB // 2))
         self._a_slab = max(1, round(options.chains / slabs))
-        places = np.zeros((slabs * self._a_slab, 4), np.int32)
         rng = np.random.default_rng(options.seed)
-        places[:, :3] = rng.integers((*shape[:2], stochastic.SLAB), size=(len(places), 3))
-        self._places = places
+        self._places = rng.integers((*shape[:2], stochastic.SLAB), size=(slabs * self._a_slab, 3)).astype(np.int32)
 
-    def sweep(self, volume: wp.array, quantum: float, sweep: int) -> float:
+    def sweep(self, volume: wp.array, quantum: float, heat: float, sweep: int) -> float:
         """Let all chains walk; return the share of the proposals that were applied."""
         options, projector = self._options, self._energy.projector
         shift = stochastic.SLAB // 2 * (sweep % 2)
-        slabs = stochastic.slab_count(volume.shape[2], shift)
-        counts = self._steps(slabs, shift)
-        used = slabs * self._a_slab
+        counts = self._steps(_slabs(volume.shape[2], shift))
+        used = len(counts) * self._a_slab
         places = wp.array(self._places[:used], dtype=int, device=self._device)
-        accepted = wp.zeros(slabs, dtype=int, device=self._device)
+        accepted = wp.zeros(len(counts), dtype=int, device=self._device)
         levels = volume.transpose((2, 0, 1)).contiguous()
         residual = self._energy.residual.transpose((2, 0, 1)).contiguous()
         stochastic.walk(
@@ -120,6 +121,7 @@ class _Chains:
             accepted,
             quantum=quantum,
             sad=self._energy.weight,
+            heat=heat,
             seed=options.seed,
             sweep=options.first_sweep + sweep,
             shift=shift,
@@ -130,9 +132,13 @@ class _Chains:
         self._places[:used] = places.numpy()
         return float(accepted.numpy().sum() / max(counts.sum() * self._a_slab, 1))
 
-    def _steps(self, slabs: int, shift: int) -> np.ndarray:
+    def _steps(self, slabs: range) -> np.ndarray:
         """Share the mutations of a sweep out to the slabs by the voxels of the hull in them."""
-        edges = np.clip(np.arange(slabs + 1) * stochastic.SLAB - shift, 0, len(self._inside))
-        inside = np.add.reduceat(np.append(self._inside, 0), edges[:-1])
+        inside = np.add.reduceat(self._inside, [max(bottom, 0) for bottom in slabs])
         share = self._options.mutations / self._options.sweeps / self._a_slab * inside / max(inside.sum(), 1)
         return np.where(inside > 0, np.maximum(np.rint(share), 1), 0).astype(np.int32)
+
+
+def _slabs(heights: int, shift: int) -> range:
+    """Return where the slabs begin that cover all heights, the first below them."""
+    return range(-shift, heights, stochastic.SLAB)

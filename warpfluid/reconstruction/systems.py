@@ -68,6 +68,7 @@ def walk_options(options: ReconstructOptions, voxels: float, *, e_step: int | No
         seed=options.seed,
         sweeps=stochastic.SWEEPS if e_step is None else SWEEPS_AN_E_STEP,
         first_sweep=0 if e_step is None else e_step * SWEEPS_AN_E_STEP,
+        heat=1.0 if e_step is None else 0.0,
     )
 
 
