@@ -21,7 +21,7 @@ from pathlib import Path
 
 import numpy as np
 import warp as wp
-from gallery import panel, save, stack
+from gallery import panel, save
 
 from warpfluid.device import pick_device
 from warpfluid.files.exr import read_exr
@@ -32,6 +32,7 @@ from warpfluid.rendering.framing import cameras
 from warpfluid.rendering.lamps import ABOVE, BELOW, Lamps
 from warpfluid.rendering.picture import Picture
 from warpfluid.rendering.studio import make_studio
+from warpfluid.rendering.turntable import in_a_row
 from warpfluid.volumes import open_volumes
 
 SIZE, SAMPLES, BOUNCES = (210, 280), 32, 12
@@ -176,4 +177,4 @@ for look, (preset, frames, frame) in CASES.items():
     ratio = ours.color.sum() / theirs.color.sum()
     apart = np.abs(ours.color - theirs.color).mean() / theirs.color.mean()
     print(f"{look}: light {ratio:.2f} of the path tracer's, mean difference {apart:.0%} of its mean")
-save("beside_cycles.png", stack(rows))
+save("beside-cycles.png", in_a_row(rows))

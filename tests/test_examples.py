@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
-SCRIPTS = sorted(path.name for path in EXAMPLES.glob("0*.py"))
+SCRIPTS = sorted(path.name for path in EXAMPLES.glob("[0-9]*.py"))
 
 
 @pytest.fixture

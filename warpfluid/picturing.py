@@ -69,8 +69,7 @@ class Work:
         lit = self.studio.light(fields, shot.number)
         shape = fields["density"].shape
         size = picture_size(shape, self.studio.options.size())
-        outlines = self.outlines.at(shot.frame, shape) if self.outlines else ()
-        solids = [(outline.vertices, outline.triangles) for outline in outlines]
+        solids = self.outlines.at(shot.frame, shape) if self.outlines else ()
         eyes = cameras(self.camera, shape, size, shot.number, shot.turned)
         return [self.studio.shoot(lit, camera, shot.number, solids) for camera in eyes]
 

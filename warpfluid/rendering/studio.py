@@ -25,7 +25,8 @@ from warpfluid.rendering.surfaces import Ground, Surface
 
 WHITE = 255.0
 BRIGHTEST = 1e6  # grey level to which the sum is one straight line
-Outline = tuple[np.ndarray, np.ndarray]
+OBSTACLE = (0.5, 0.5, 0.52)  # share of light that it reflects
+Outline = tuple[np.ndarray, np.ndarray, str]
 
 
 @dataclass(frozen=True)
@@ -96,7 +97,8 @@ class Studio:
             lit: The frame.
             camera: Where from.
             number: Of the picture, by which colours are keyed.
-            outlines: Vertices (x, y, z) and triangles of what stands in the volume; the mode ``sum`` ignores it.
+            outlines: Vertices (x, y, z), triangles and kind (body, obstacle) of what stands in the volume; the mode
+                ``sum`` ignores it.
         """
         if self.look is None:
             picture = mean_picture(march(medium, camera, error=self.options.error) for medium in lit.moments)
@@ -104,7 +106,8 @@ class Studio:
             return replace(picture, color=grey, emission=grey)
         options = self.lamps.options
         color = tuple(Keyed(options.body_color, 3).at(number))
-        surfaces = [Surface(vertices, triangles, color) for vertices, triangles in outlines]
+        colors = {"body": color, "obstacle": OBSTACLE}
+        surfaces = [Surface(vertices, triangles, colors[kind]) for vertices, triangles, kind in outlines]
         ground = Ground(lit.medium.shape, tuple(Keyed(options.ground_color, 3).at(number))) if options.ground else None
         things = {"surfaces": surfaces, "ground": ground, "error": self.options.error}
         shots = (render(medium, camera, lit.lighting, lit.inner, **things) for medium in lit.moments)
