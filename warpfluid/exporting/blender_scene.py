@@ -99,8 +99,9 @@ def add_volume(record):
     if hasattr(data, "velocity_grid") and any(record["velocity"] in f["grids"] for f in record["frames"].values()):
         data.velocity_grid, data.velocity_unit = record["velocity"], "SECOND"
     volume = bpy.data.objects.new("volume", data)
-    # Blender takes a voxel's index for its corner, OpenVDB for its centre: this moves the volume to its place.
-    volume.location = [-facts["voxel_size"] / 2] * 3
+    # Before 5.0 Blender took a voxel's index for its corner, which is its centre: this moves the volume to its place.
+    if bpy.app.version < (5, 0, 0):
+        volume.location = [-facts["voxel_size"] / 2] * 3
     bpy.context.collection.objects.link(volume)
     return volume
 
