@@ -7,6 +7,7 @@ from warpfluid.doctor import drawing
 from warpfluid.files.npz import write_npz
 from warpfluid.options import PreviewOptions
 from warpfluid.preview import parts
+from warpfluid.preview.controls import Controls
 from warpfluid.preview.scene import open_scene
 from warpfluid.preview.surroundings import Solid
 from warpfluid.rendering.turntable import render_turntable
@@ -109,9 +110,10 @@ def test_what_files_lack_is_said_once(window, capsys):
 def test_keys_have_actions(window):
     """Each that the help names does something, and the views have a number each."""
     made = window(show="volume", angle=20, elevation=10)
-    actions = made._actions()
+    controls = Controls(made)
+    actions = controls.actions()
     for key, change in (("Right", lambda: made.index), ("Up", lambda: made.exposure), ("c", lambda: made.look),
-                        ("Prior", lambda: made.slice_height), ("space", lambda: made.playing)):  # fmt: skip
+                        ("Prior", lambda: made.slice_height), ("space", lambda: controls.playing)):  # fmt: skip
         before = change()
         actions[key]()
         assert change() != before, key

@@ -73,11 +73,12 @@ def _write_picture(path: Path, scene: Scene, options: PreviewOptions, log: Progr
 
 def _open_window(scene: Scene, options: PreviewOptions, log: Progress) -> dict:
     """Open the window, or write a still picture where there can be none."""
+    from warpfluid.preview.controls import Controls
     from warpfluid.preview.window import Window
 
     state = drawing()
     if state == "screen":
-        Window(scene, options, say=log.line).run()
+        Controls(Window(scene, options, say=log.line)).run()
         return {"window": True}
     reason = "there is no screen" if state == "memory" else f"there is no OpenGL library ({INSTALL})"
     log.line(f"no window: {reason}; --html FILE plays the volumes in any browser. A still picture is in {STILL}")

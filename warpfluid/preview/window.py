@@ -1,4 +1,4 @@
-"""A window on volumes: turn it, play it, and switch its parts on and off by keys."""
+"""A scene as pyvista draws it, in a window or into a picture."""
 
 from collections.abc import Callable, Collection
 
@@ -9,17 +9,12 @@ from warpfluid.options import PreviewOptions
 from warpfluid.options.preview import PARTS
 from warpfluid.preview import parts
 from warpfluid.preview.scene import Scene
+from warpfluid.preview.summing import summed_volume
 from warpfluid.preview.surroundings import find_footage, find_solids
-from warpfluid.rendering.ramps import RAMPS
 
-KEYS = {"v": "volume", "s": "slices", "a": "arrows", "l": "streamlines", "i": "pictures", "b": "bodies", "o": "box"}
-HELP = """space play   left/right frame   up/down exposure   c colours   1-9 view   r reset   q close
-v volume   s slices (page up/down moves them)   a arrows   l streamlines   i pictures   b bodies   o box"""
 SKY, GROUND = "#1b2029", "#090b0f"
 ELEVATION_DEG = 15.0
-ZOOM = 1.35  # what is shown is round only in the worst case
-STOP = 0.25  # of exposure that a key changes
-LIFT = 0.04  # of the height that a key moves the slice
+ZOOM = 1.2  # what is shown is round only in the worst case
 
 
 class Window:
@@ -45,17 +40,17 @@ class Window:
         options = options or PreviewOptions()
         self.scene, self.say, self.on_screen = scene, say, False
         self.shown, self.look, self.exposure = set(options.parts), scene.look, scene.exposure
-        self.slice_height, self.playing, self.index = 0.35, False, scene.frames.index(scene.middle)
-        self._camera = (scene.angle_deg, ELEVATION_DEG if scene.elevation_deg is None else scene.elevation_deg)
+        self.slice_height, self.index = 0.35, scene.frames.index(scene.middle)
+        self.start = (scene.angle_deg, ELEVATION_DEG if scene.elevation_deg is None else scene.elevation_deg)
         self._names: dict[str, list[str]] = {}
         self._lacking: set[str] = set()
         self._fields: tuple[int, dict[str, np.ndarray]] = (-1, {})
-        self._shot = self._solids = self._slider = None
+        self._shot = self._solids = None
         self.plotter = pyvista.Plotter(off_screen=off_screen, window_size=options.window_size, lighting="three lights")
         self.plotter.set_background(GROUND, top=SKY)
         self.density = scene.volumes.density(self.frame)
         self.draw()
-        self.look_from(*self._camera)
+        self.look_from(*self.start)
 
     @property
     def frame(self) -> int:
@@ -73,6 +68,21 @@ class Window:
         self.shown ^= {part}
         self.draw([part])
 
+    def expose(self, stops: float) -> None:
+        """Make the volume brighter by some stops."""
+        self.exposure += stops
+        self.draw(["volume"])
+
+    def recolour(self, look: str) -> None:
+        """Show the volume in the colours of another ramp."""
+        self.look = look
+        self.draw(["volume"])
+
+    def lift_slice(self, share: float) -> None:
+        """Move the level slice by a share of the height."""
+        self.slice_height = min(max(self.slice_height + share, 0.0), 1.0)
+        self.draw(["slices"])
+
     def look_from(self, angle_deg: float, elevation_deg: float = 0.0) -> None:
         """Put the camera somewhere, so far that everything is seen."""
         camera, middle = self.plotter.camera, parts.box_middle(self.density.shape)
@@ -82,6 +92,8 @@ class Window:
         camera.up = (0, 1, 0)
         self.plotter.reset_camera()
         camera.zoom(ZOOM)
+        if self.on_screen:
+            self.plotter.render()
 
     def draw(self, which: Collection[str] = PARTS) -> None:
         """Draw parts anew: those that are shown; others vanish."""
@@ -112,7 +124,7 @@ class Window:
             return []
 
     def _add_volume(self) -> list[str]:
-        actor = parts.volume(self.density, self.look, white=255 / 2**self.exposure, quick=self.on_screen)
+        actor = summed_volume(self.density, self.look, white=255 / 2**self.exposure, quick=self.on_screen)
         self.plotter.add_actor(actor, name="volume", reset_camera=False)
         return ["volume"]
 
@@ -176,70 +188,3 @@ class Window:
 
     def _add(self, mesh, name: str, **looks) -> None:
         self.plotter.add_mesh(mesh, name=name, reset_camera=False, **looks)
-
-    # ---- on a screen
-
-    def run(self) -> None:
-        """Open the window; return when it is closed."""
-        plotter, frames = self.plotter, self.scene.frames
-        plotter.add_text(HELP, position="lower_left", font_size=8, color=parts.LINE_COLOUR, name="help")
-        if len(frames) > 1:
-            self._slider = plotter.add_slider_widget(
-                callback=self._slide, rng=(0, len(frames) - 1), value=self.index, fmt="", color=parts.WORD_COLOUR,
-                pointa=(0.2, 0.1), pointb=(0.8, 0.1), interaction_event="always", slider_width=0.02, tube_width=0.004,
-            )  # fmt: skip
-            plotter.add_timer_event(
-                max_steps=2**31 - 1, duration=max(1, round(1000 / self.scene.rate)), callback=self._tick
-            )
-        plotter.iren.style.AddObserver("CharEvent", lambda *_: None)  # VTK's own keys: stereo, wire frames
-        for key, act in self._actions().items():
-            plotter.add_key_event(key, act)
-        self.on_screen = True
-        plotter.show(title=f"warpfluid: {self.scene.title}")
-
-    def _actions(self) -> dict[str, Callable[[], None]]:
-        """Return what every key does."""
-        views = self.scene.volumes.angles_deg[:9]
-        turns = {str(i): lambda angle=angle: self.look_from(angle) for i, angle in enumerate(views, 1)}
-        return {
-            **{key: lambda part=part: self.toggle(part) for key, part in KEYS.items()},
-            **turns,
-            "space": lambda: setattr(self, "playing", not self.playing),
-            "Left": lambda: self._go(-1),
-            "Right": lambda: self._go(1),
-            "Up": lambda: self._expose(STOP),
-            "Down": lambda: self._expose(-STOP),
-            "Prior": lambda: self._lift(LIFT),
-            "Next": lambda: self._lift(-LIFT),
-            "c": self._recolour,
-            "r": lambda: self.look_from(*self._camera),
-            "q": self.plotter.close,
-        }
-
-    def _go(self, step: int, *, stop: bool = True) -> None:
-        self.playing = self.playing and not stop
-        self.show_frame(self.index + step)
-        if self._slider:
-            self._slider.GetRepresentation().SetValue(self.index)
-
-    def _tick(self, _step: int) -> None:
-        if self.playing:
-            self._go(1, stop=False)
-
-    def _slide(self, value: float) -> None:
-        if round(value) != self.index:
-            self.playing = False
-            self.show_frame(round(value))
-
-    def _expose(self, stops: float) -> None:
-        self.exposure += stops
-        self.draw(["volume"])
-
-    def _lift(self, share: float) -> None:
-        self.slice_height = min(max(self.slice_height + share, 0.0), 1.0)
-        self.draw(["slices"])
-
-    def _recolour(self) -> None:
-        names = list(RAMPS)
-        self.look = names[(names.index(self.look) + 1) % len(names)]
-        self.draw(["volume"])
