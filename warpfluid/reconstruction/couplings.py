@@ -56,11 +56,14 @@ def flame_sheet(inputs: Inputs, options: ReconstructOptions) -> wp.array:
         volume = wp.array(_bent_sheet(inputs, images, angles), dtype=float, device=device)
         return Balancing(images, inputs.projectors(angles, options.footprint)).apply(volume, SWEEPS)
     projector = inputs.projector(angles, options.footprint)
+    support = inputs.support.numpy()
     pairs = [(i, j, turn) for i, j in combinations(range(len(angles)), 2) for turn in (1, -1)]
 
     def make(i: int, j: int, turn: int) -> np.ndarray:
-        bent = _bent_sheet(inputs, images[[i, j]], (angles[i], angles[j]), turn=turn)
-        return (bent * inputs.support.numpy()).astype(np.float32)
+        """Return the sheet of a pair inside the hull of all, as bright as they are at every height."""
+        inside = _bent_sheet(inputs, images[[i, j]], (angles[i], angles[j]), turn=turn) * support
+        light = inside.sum(axis=(0, 1))
+        return (inside * (inputs.row_sums / np.where(light > 0, light, 1))).astype(np.float32)
 
     rendered = [projector.project(make(*pair)).ravel() for pair in pairs]
     weights = blend_weights(np.stack(rendered, axis=1), images.ravel())

@@ -83,9 +83,9 @@ def test_any_number_of_threads_gives_the_same_bits(fire, threads, monkeypatch, d
 
 
 def test_heat_lets_the_energy_rise(fire, device):
-    """More proposals are applied, the books are kept all the same, and no heat at all is pure descent."""
-    cold, warm = (walked(fire, device, sad=5.0, heat=heat) for heat in (0.0, 10.0))
-    assert warm[2] > 1.2 * cold[2]
+    """More proposals are applied, the books are kept all the same; without heat the walk is pure descent, see above."""
+    cold, warm = (walked(fire, device, sad=5.0, heat=heat, steps=3000) for heat in (0.0, 50.0))
+    assert warm[2] > 1.5 * cold[2]
     projector, images, _ = warm[3]
     np.testing.assert_allclose(warm[1], projector.project(np.ascontiguousarray(warm[0])) - images, atol=1e-3)
     assert warm[0].min() >= 0
