@@ -15,6 +15,7 @@ from warpfluid.files.bodies import read_bodies
 from warpfluid.files.npz import read_npz, write_npz
 from warpfluid.files.vdb import read_vdb
 from warpfluid.options import SIMULATE_PAPER, SimulateOptions
+from warpfluid.volumes import open_volumes
 
 PLAIN = ("--no-turntable", "--no-report", "--device", "cpu", "-q")
 BOX = ("--size", "12x16", "--emitter", "sphere center=0,2,0 radius=1.5 density=8 temperature=1", *PLAIN)
@@ -90,6 +91,10 @@ def test_volumes_of_another_program(tmp_path):
     assert numbers(tmp_path / "out") == [11, 12]
     np.testing.assert_allclose(density(tmp_path / "out", 11), 0.01 * cloud(1), rtol=1e-4, atol=1e-6)
     assert density(tmp_path / "out", 12).sum() == pytest.approx(0.01 * cloud(2).sum(), rel=0.05)
+    # A run remembers what makes it as bright as footage, so that pictures and simulations of it are not black.
+    assert open_volumes(tmp_path / "out").density(11).sum(axis=1).max() == pytest.approx(255, rel=1e-3)
+    assert run("simulate", tmp_path / "out", *PLAIN, "-o", tmp_path / "again") == 0
+    assert open_volumes(tmp_path / "again").density(11).sum(axis=1).max() == pytest.approx(255, rel=1e-3)
 
 
 def test_an_empty_box(tmp_path, straight):

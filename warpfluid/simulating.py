@@ -56,7 +56,9 @@ def simulate(
     if settings.source and Path(settings.source).expanduser().resolve() == out.resolve():
         raise ValueError(f"{out} is the source itself: choose another folder with -o")
     frames = _frames(_joined(run, settings.simulate.frames) if resume else settings.simulate.frames, source)
-    facts = {"device": str(device), "angles": list(source.volumes.angles_deg), "inputs": source.volumes.hashes()}
+    volumes = source.volumes
+    facts = {"device": str(device), "angles": list(volumes.angles_deg), "scale": volumes.scale}
+    facts["inputs"] = volumes.hashes()
     kept = run.begin(settings, facts, resume=resume, overwrite=overwrite)
     size = "x".join(map(str, _sizes(source)))
     log.line(f"source  {settings.source or 'an empty box'}: {size} voxels, {len(frames)} frames")

@@ -28,7 +28,8 @@ class VolumeSequence:
         name: What the user called it.
         files: The volumes by frame, rising.
         angles_deg: Angles of the views that its volumes show.
-        scale: What brings its densities to grey levels: 1 for a run; else the brightest ray of the first is white.
+        scale: What brings its densities to grey levels: 1 for volumes of footage; else the brightest ray of the first is
+            white, and a run that followed such volumes remembers.
         output: How its files are stored, for more of the kind.
         document: What ``run.toml`` of a run says; None for volumes of another program.
         density_name: The grid that is the density.
@@ -168,13 +169,15 @@ def _open_run(run: Run, name: str, grid: str | None) -> VolumeSequence:
     files = {frame: run.volume_path(frame) for frame in run.records()}
     if not files:
         raise ValueError(f"{run.folder} has no finished frame: reconstruct it first")
-    angles = document.get("made-with", {}).get("angles") or [parse_view(view)[0] for view in document.get("views", ())]
+    made = document.get("made-with", {})
+    angles = made.get("angles") or [parse_view(view)[0] for view in document.get("views", ())]
     output = OutputOptions(**document.get("output", {}))
     finer = document.get("simulate", {}).get("detail", 1)  # its files have more and smaller voxels
     return VolumeSequence(
         name=name,
         files=files,
         angles_deg=tuple(map(float, angles)) or ANGLES_DEG,
+        scale=float(made.get("scale", 1.0)),
         output=replace(output, voxel_size=output.voxel_size / finer),
         document=document,
         density_name=grid or DENSITY,
