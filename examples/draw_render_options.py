@@ -59,4 +59,4 @@ draw("field-of-view", ("10", "30", "80"), "explosion", 24, "--look explosion --g
 draw("exposure", ("-2", "0", "2"), "fire", 12)
 draw("rolloff", ("0.2", "0.6", "1"), "fire", 12)
 draw("backdrop", ("0,0,0", "0.45,0.5,0.55", "1,1,1"), "smoke", 60)
-draw("motion-blur", ("0", "0.5", "1"), "fire", 12)
+draw("motion-blur", ("0", "0.5", "1"), "fire", 12, "--zoom 2.2 --target 0,3.5,0")

@@ -1,14 +1,17 @@
 """Looks: ramps, what they take, and files that are no looks."""
 
 import json
+from typing import get_args, get_type_hints
 
 import numpy as np
 import pytest
 import warp as wp
 
+from warpfluid.options import OutputOptions, RenderOptions
 from warpfluid.rendering.blackbody import blackbody_color
 from warpfluid.rendering.look_files import look_names, make_look, read_look
 from warpfluid.rendering.looks import FIELDS, amount_of_one
+from warpfluid.rendering.ramps import RAMPS
 
 NAMES = ("blackbody", "explosion", "fire", "gray", "jet", "smoke", "water")
 STOPS = [[0, [0, 0, 0]], [0.125, [0.2, 0.5, 3]], [0.7, [7, 0.1, 2]], [1, [1.5, 2, 9]]]
@@ -20,6 +23,12 @@ def look(**ramps):
 
 def test_the_promised_looks_are_there():
     assert tuple(look_names()) == NAMES
+
+
+def test_help_and_turntable_know_all_looks():
+    told = get_args(get_type_hints(RenderOptions, include_extras=True)["look"])[1]
+    assert {name for name in told.replace(",", " ").split() if name in NAMES} == {*NAMES}
+    assert set(RAMPS) == {*NAMES} == set(get_args(get_type_hints(OutputOptions)["look"]))
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -74,7 +74,10 @@ class LightOptions:
 class RenderOptions:
     """The look of a fluid, and the picture."""
 
-    look: Annotated[str | None, "Name of a look, see looks, or a file .json; the run's own by default"] = None
+    look: Annotated[
+        str | None,
+        "fire, blackbody, smoke, explosion, water, jet, gray, or a file .json of one's own; the run's own by default",
+    ] = None
     mode: Annotated[
         Literal["lit", "emission", "sum"],
         "Everything; without any lamp; or the sum of density along rays, as the footage's grey levels",
