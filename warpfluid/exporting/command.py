@@ -7,7 +7,7 @@ from pathlib import Path
 from warpfluid.errors import describe
 from warpfluid.exporting.frame import Prepared, lit_box, prepare
 from warpfluid.exporting.record import Record
-from warpfluid.exporting.scene import Body, find_bodies, scene_facts, write_stage
+from warpfluid.exporting.scene import Body, body_facts, find_bodies, scene_facts, write_stage
 from warpfluid.files.sequences import format_frames, parse_frames
 from warpfluid.options import ExportOptions
 from warpfluid.outcome import name_failures
@@ -38,14 +38,13 @@ def export(source: str, out: Path, options: ExportOptions, *, resume: bool, over
     lit = lit_box(sequence) if options.crop else None
     bodies = find_bodies(sequence, options)
     record = Record(out)
-    facts = scene_facts(sequence, options, bodies)
+    facts = scene_facts(sequence, options)
     record.begin(Path(source).expanduser(), options, facts, resume=resume, overwrite=overwrite)
     for message in sequence.messages:
         log.line(f"note    {message}")
     failed = _export_frames(sequence, frames, options, lit, record, log)
     written = [str(out / facts["file"]) for facts in record.content["frames"].values()]
     if written:
-        record.write()
         written += _write_scene(record, out, options, bodies)
     _show(record, out, written, failed, common)
     return name_failures(failed, "the others are written; mend these, then go on with --resume")
@@ -142,6 +141,8 @@ def _write_scene(record: Record, out: Path, options: ExportOptions, bodies: list
         write_stage(out / STAGE, record.content, bodies, options)
         return [str(out / STAGE)]
     if options.format == "blender":
+        record.content["bodies"] = body_facts(bodies)
+        record.write()
         shutil.copyfile(Path(__file__).with_name("blender_scene.py"), out / SCRIPT)
         return [str(out / SCRIPT)]
     return []

@@ -46,27 +46,31 @@ def find_bodies(sequence: VolumeSequence, options: ExportOptions) -> list[Body]:
     return bodies
 
 
-def scene_facts(sequence: VolumeSequence, options: ExportOptions, bodies: list[Body]) -> dict:
+def scene_facts(sequence: VolumeSequence, options: ExportOptions) -> dict:
     """Return what scenes need to know and files do not tell."""
     simulated = (sequence.document or {}).get("simulate", {})
     footage = (sequence.document or {}).get("input", {})
-    fps = options.fps or simulated.get("fps") or FPS
     return {
-        "fps": float(fps),
+        "fps": float(options.fps or simulated.get("fps") or FPS),
         "up": options.file_up,
         "tone": "Raw" if footage.get("decode", "linear") == "none" else "Standard",  # as the footage was read
         "look": sequence.output.look if sequence.document else None,
         "velocity": options.velocity_name,
-        "bodies": [
-            {
-                "name": body.name,
-                "vertices": body.vertices.tolist(),
-                "triangles": body.triangles.tolist(),
-                "poses": {str(frame): [p.tolist(), q.tolist()] for frame, (p, q) in sorted(body.poses.items())},
-            }
-            for body in bodies
-        ],
+        "bodies": [],
     }
+
+
+def body_facts(bodies: list[Body]) -> list[dict]:
+    """Return bodies as plain values."""
+    return [
+        {
+            "name": body.name,
+            "vertices": body.vertices.tolist(),
+            "triangles": body.triangles.tolist(),
+            "poses": {str(frame): [p.tolist(), q.tolist()] for frame, (p, q) in sorted(body.poses.items())},
+        }
+        for body in bodies
+    ]
 
 
 def write_stage(path: Path, record: dict, bodies: list[Body], options: ExportOptions) -> None:
