@@ -7,7 +7,6 @@ import pytest
 import warp as wp
 from scipy.optimize import minimize, nnls
 
-from warpfluid.device import pick_device
 from warpfluid.options import ReconstructOptions
 from warpfluid.projector import Projector
 from warpfluid.reconstruction.convex import SadEnergy, minimise

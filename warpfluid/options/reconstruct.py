@@ -104,7 +104,7 @@ class ReconstructOptions:
     # stochastic tomography and the convex solver
     sad_weight: Annotated[
         float, "Weight of the sum of absolute differences between neighbours, beside squared grey levels"
-    ] = 3.0
+    ] = 1.0
     mutations: Annotated[
         int | None, "Proposals of all random walks; by default 500 a voxel of the hull, 20 in an E-step"
     ] = None
