@@ -41,12 +41,14 @@ MARCH = (
         if (opaque && scene.density_field < 0) break;
         const Sample end = meet(q);
         density_sum += 0.5f * length * (float)wp::abs(q - start.q) * (start.density + end.density);
-        if (scene.adapt && !opaque && may_err(start, end) > bound())
+        const float met = start.extinction + end.extinction + start.light[0] + start.light[1] + start.light[2]
+            + end.light[0] + end.light[1] + end.light[2];
+        const bool split = scene.adapt && !opaque && may_err(start, end) > bound();
+        if (split)
             halve(start, end);
-        else if (start.extinction + end.extinction + start.light[0] + start.light[1] + start.light[2] + end.light[0]
-            + end.light[1] + end.light[2] > 0.0f)
+        else if (met > 0.0f)
             pass(start, end);
-        mark(q);
+        if (split || met > 0.0f || total == 0.0f) mark(q);
         start = end;
     }}
     const size_t pixel = (size_t)row * width + column;
@@ -85,6 +87,7 @@ class Scene:
         edge_fade: Voxels over which the medium begins at the sides.
         error: What a pixel may be wrong by.
         adapt: Whether intervals may be halved.
+        clear: Nothing is met where all fields are 0.
     """
 
     camera: wp.array[wp.float64]
@@ -109,6 +112,7 @@ class Scene:
     edge_fade: wp.float64
     error: float
     adapt: bool
+    clear: bool
 
 
 @wp.func_native(snippet=MARCH)

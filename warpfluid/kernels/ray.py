@@ -145,6 +145,7 @@ MEET = f"""
         if (scene.field_count > 2) values[2] = read(scene.f2.data, here);
         if (scene.field_count > 3) values[3] = read(scene.f3.data, here);
         if (scene.density_field >= 0) found.density = values[scene.density_field];
+        if (scene.clear && wp::max(wp::max(values[0], values[1]), wp::max(values[2], values[3])) <= 0.0f) return found;
         const float fade = scene.edge_fade > 0.0f ? fade_at(q) : 1.0f;
         if (scene.extinction.data) {{
             const Entry e = entry({EXTINCTION}, scene.extinction.shape[0], values);
@@ -234,8 +235,10 @@ HALF_WAY = """
     double begun = from;
     const auto mark = [&](double q) {
         const float now = hidden + (seen[0] + seen[1] + seen[2]) * (1.0f / 3.0f);
-        if (total == 0.0f && now == 0.0f) begun = q;
-        if (now <= total) return;
+        if (now <= total) {
+            if (now == 0.0f) begun = q;
+            return;
+        }
         int bin = (int)wp::ceil((float)wp::abs(q - begun) * per_bin) - 1;
         for (; bin >= BINS; bin >>= 1, filled = (filled + 1) >> 1, per_bin *= 0.5f) {
             for (int i = filled; i < BINS; ++i) reached[i] = total;
@@ -257,22 +260,25 @@ HALF_WAY = """
 
 # Defines `dark(q, planes)`: whether there is nothing to meet, and for how many planes on that is known.
 DARK = f"""
+    const double pace[3] = {{1.0 * way, way * slope_a, way * slope_b}};
+    const double wait[3] = {{1.0, 1.0 / pace[1], 1.0 / pace[2]}};
+    const int last[3] = {{scene.bricks.shape[d] - 1, scene.bricks.shape[a] - 1, scene.bricks.shape[b] - 1}};
+    const int stride[3] = {{scene.bricks.shape[1] * scene.bricks.shape[2], scene.bricks.shape[2], 1}};
+    const int hop[3] = {{stride[d], stride[a], stride[b]}};
     const auto dark = [&](double q, int& planes) {{
         const double p[3] = {{q, base_a + q * slope_a, base_b + q * slope_b}};
-        const double pace[3] = {{1.0 * way, way * slope_a, way * slope_b}};
-        const int axes[3] = {{d, a, b}}, cell = (int)(way > 0 ? wp::floor(q) : wp::ceil(q) - 1);
-        int at[3];
+        const int cell = (int)(way > 0 ? wp::floor(q) : wp::ceil(q) - 1);
+        int at = 0;
         float ahead = 1e6f;
         for (int i = 0; i < 3; ++i) {{
-            const int last = scene.bricks.shape[axes[i]] - 1;
-            const int brick = wp::clamp((i ? (int)(p[i] + 8.0) - 8 : cell) >> {BRICK.bit_length() - 1}, 0, last);
-            at[axes[i]] = brick;
-            if (pace[i] > 0.0 ? brick == last : pace[i] < 0.0 ? brick == 0 : true) continue;
+            const int brick = wp::clamp((i ? (int)(p[i] + 8.0) - 8 : cell) >> {BRICK.bit_length() - 1}, 0, last[i]);
+            at += brick * hop[i];
+            if (pace[i] > 0.0 ? brick == last[i] : pace[i] < 0.0 ? brick == 0 : true) continue;
             const double end = {BRICK} * (brick + (pace[i] > 0.0 ? 1 : 0));
-            ahead = wp::min(ahead, i ? (float)((end - p[i]) / pace[i]) : (float)wp::abs(end - cell - (way < 0)));
+            ahead = wp::min(ahead, (float)(i ? (end - p[i]) * wait[i] : wp::abs(end - cell - (way < 0))));
         }}
         planes = wp::max((int)ahead, 1);
-        const float most = scene.bricks.data[(at[0] * scene.bricks.shape[1] + at[1]) * scene.bricks.shape[2] + at[2]];
+        const float most = scene.bricks.data[at];
         unknown = {UNSEEN} * slant * most;
         return most == 0.0f;
     }};

@@ -85,6 +85,7 @@ def _set_medium(scene: Scene, medium: Medium, density: bool, device: wp.Device) 
     scene.times = wp.vec3i([names.index(curve.times) if curve and curve.times else -1 for curve in curves])
     scene.per_entry = wp.vec3([(len(curve.values) - 1) / curve.top if curve else 0.0 for curve in curves])
     scene.bricks = _bricks(medium, dict(zip(names, fields, strict=True)), scene.density_field >= 0, device)
+    scene.clear = not any(curve.values[0].any() for curve in (medium.extinction, medium.emission) if curve)
     scene.anisotropy, scene.edge_fade = medium.anisotropy, medium.edge_fade
     scene.adapt = medium.extinction is not None or (medium.emission is not None and not _is_straight(medium.emission))
 
