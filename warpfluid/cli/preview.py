@@ -16,7 +16,7 @@ NO_CHOICES = get_args(PreviewFlags)[0]()
 
 @app.command
 def preview(
-    source: Annotated[str, Parameter(help="A run, or volumes: a folder, pattern or file, .vdb or .npz")],
+    source: Annotated[str, Parameter(help="A run, or volumes: a folder, pattern or file, .vdb, .nvdb, .vti or .npz")],
     *,
     html: Annotated[Path | None, Parameter(help="Write a page that plays them in any browser, .html")] = None,
     screenshot: Annotated[Path | None, Parameter(help="Draw the window into a picture instead, .png")] = None,
