@@ -141,10 +141,16 @@ def add_glow(material, shader, look, voxel, full):
     value = attribute(nodes, grid, -600, 200)
     gain = 1 / ((WHITE if grid == "density" else FLAME_VOXELS * most) * voxel)
     gain *= 1.0 if look == "plain" else BRIGHT
-    links.new(scaled(nodes, links, value, gain, -300, 200, "light"), shader.inputs["Emission Strength"])
+    light = scaled(nodes, links, value, gain, -300, 200, "light")
+    if grid == "flame":  # hot gas shines far more than warm gas
+        light = scaled(nodes, links, light, scaled(nodes, links, value, 1 / most, -300, 50, "heat"), 0, 100, "glow")
+    links.new(light, shader.inputs["Emission Strength"])
     shader.inputs["Emission Color"].default_value = (1, 1, 1, 1)
     if look != "plain":
-        links.new(flame_colours(nodes, links, value, most), shader.inputs["Emission Color"])
+        links.new(
+            flame_colours(nodes, links, value, most if grid == "density" else 1.3 * most),
+            shader.inputs["Emission Color"],
+        )
 
 
 def measures(record):
@@ -165,11 +171,14 @@ def attribute(nodes, name, x, y):
 
 
 def scaled(nodes, links, value, factor, x, y, label):
-    """Return a value times a number, which the user may change."""
+    """Return a value times a number, which the user may change, or times another value."""
     node = nodes.new("ShaderNodeMath")
     node.operation, node.label, node.location = "MULTIPLY", label, (x, y)
     links.new(value, node.inputs[0])
-    node.inputs[1].default_value = factor
+    if isinstance(factor, float):
+        node.inputs[1].default_value = factor
+    else:
+        links.new(factor, node.inputs[1])
     return node.outputs[0]
 
 
