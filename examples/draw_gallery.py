@@ -18,8 +18,8 @@ from warpfluid.cli import main
 CLOUD = "box center=-3.4,1,0 size=1,2,3.5 density=5 velocity=1:16,2,0;16:5,1,0 drive=20 noise=1 noise_frequency=1.6"
 CRATE = "box center=-0.9,0.7,0.3 size=1.4,1.4,1.4 weight=0.4"
 renders.RUNS["wave"] = (
-    f"--size 112x64 --frames 1-24 --swirl 4 --turbulence-strength 1.5 --emitter '{CLOUD}' --body '{CRATE}' "
-    "--obstacle 'cylinder center=2.8,2.5,-0.8 radius=0.6 size=1,5,1'"
+    "simulate --size 112x64 --frames 1-24 --no-turntable --no-report --swirl 4 --turbulence-strength 1.5 "
+    f"--emitter '{CLOUD}' --body '{CRATE}' --obstacle 'cylinder center=2.8,2.5,-0.8 radius=0.6 size=1,5,1'"
 )
 
 
@@ -41,6 +41,8 @@ EVENING = f"--probe {evening()} --probe-rotation 200 --ground --elevation 4 --an
 save("gallery-evening.png", render("smoke", 60, EVENING, size=(420, 480)))
 NIGHT = "--ground --elevation 8 --key-strength 0 --ambient 0.02"
 save("gallery-fire.png", render("fire", 12, NIGHT, size=(420, 480)))
+TURN = "--look fire --field-of-view 20 --zoom 1.1"
+save("gallery-demo.png", in_a_row(render("demo", 8, f"{TURN} --angle {a}", size=(256, 384)) for a in (0, 30, 60, 90)))
 SPLASH = "--look water --ground --elevation 14 --zoom 1.3 --target 0,3.6,0"
 save("gallery-splash.png", render("splash", 22, SPLASH, size=(420, 480)))
 WAVE = "--look smoke --ground --elevation 12 --angle 20 --zoom 1.9 --target 0,2.4,0 --body-color 0.75,0.25,0.08"

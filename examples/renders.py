@@ -1,4 +1,4 @@
-"""What the examples of rendering share: small runs of the presets, and pictures of them by the command itself."""
+"""What the examples of rendering share: small runs, and pictures of them by the command itself."""
 
 import shlex
 import subprocess
@@ -17,26 +17,26 @@ from warpfluid.rendering.display import quantize
 from warpfluid.rendering.probe import sphere
 
 RUNS = {
-    "fire": "--preset fire --size 64x96 --frames 1-12",
-    "smoke": "--preset smoke --size 64x96 --frames 1-60",
-    "explosion": "--preset explosion --size 72x96 --frames 1-30",
-    "splash": "--preset splash --size 64x96 --frames 1-30",
+    "fire": "simulate --preset fire --size 64x96 --frames 1-12 --no-turntable --no-report",
+    "smoke": "simulate --preset smoke --size 64x96 --frames 1-60 --no-turntable --no-report",
+    "explosion": "simulate --preset explosion --size 72x96 --frames 1-30 --no-turntable --no-report",
+    "splash": "simulate --preset splash --size 64x96 --frames 1-30 --no-turntable --no-report",
+    "demo": "demo",
 }
 
 
 @cache
 def run(name: str) -> Path:
-    """Return the run of a preset, simulated if the folder of the second argument does not hold it already."""
+    """Return a run, made if the folder of the second argument does not hold it already."""
     place = Path(sys.argv[2]) if len(sys.argv) > 2 else folder()
     if not (place / name / "run.toml").exists():
-        flags = shlex.split(RUNS[name])
-        command = [sys.executable, "-m", "warpfluid", "simulate", *flags, "--no-turntable", "-o", str(place / name)]
+        command = [sys.executable, "-m", "warpfluid", *shlex.split(RUNS[name]), "-o", str(place / name)]
         subprocess.run(command, check=True)
     return place / name
 
 
 def render(name: str, frame: int, words: str, *, size: tuple[int, int] = (200, 268)) -> np.ndarray:
-    """Return a frame of a preset's run as a picture, uint8, with the flags of ``words``."""
+    """Return a frame of a run as a picture, uint8, with the flags of ``words``."""
     with tempfile.TemporaryDirectory() as made:
         path = f"{made}/picture.png"
         flags = shlex.split(f"--frames {frame} --resolution {size[0]}x{size[1]} {words} -o {path} --quiet")
