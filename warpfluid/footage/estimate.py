@@ -5,7 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from warpfluid.options import ReconstructOptions, default_angles
+from warpfluid.options import (
+    MUTATIONS_A_VOXEL,
+    MUTATIONS_A_VOXEL_AND_E_STEP,
+    ReconstructOptions,
+    default_angles,
+)
 
 HULL_WIDTH = 48  # voxels; the hull is a share, so a coarse one tells it
 BULK = 0.1  # share of a row's light outside its bulk, either side
@@ -16,6 +21,9 @@ SECONDS_AN_ITERATION = 0.05
 SECONDS_A_RAY_STEP = 1.9e-10  # one projection or back-projection, by angle and voxel inside the hull
 SECONDS_A_STATISTIC = 7e-8  # one M-step, by angle and pixel
 SECONDS_A_FLOW_PIXEL = 7e-6
+SECONDS_A_MUTATION = 5e-8  # of a random walk over two views
+SECONDS_A_MADE_MUTATION = 1.2e-8  # of one in an E-step, by angle
+SECONDS_A_CONVEX_STEP = 2e-8  # by voxel inside the hull
 SECONDS_OF_FILM = 2.0
 SECONDS_OF_PAGE = 1.5  # by frame shown
 SHOWN_FRAMES = 6
@@ -66,8 +74,21 @@ def estimate_cost(size: tuple[int, int], share: float, options: ReconstructOptio
     iteration = SECONDS_AN_ITERATION + pixels * SECONDS_A_STATISTIC
     iteration += projections * pixels * u * share * SECONDS_A_RAY_STEP
     seconds = SECONDS_A_FRAME + voxels * SECONDS_A_VOXEL + iterations * iteration
+    seconds += _seconds_of_walks(voxels * share, pixels // (u * v), options)
+    if options.method == "convex":
+        seconds += options.convex_steps * voxels * share * SECONDS_A_CONVEX_STEP
     part = min(PART_OVER_HULL * share, 1)
     return seconds, int(voxels * (BYTES_A_VOXEL + part * BYTES_A_HULL_VOXEL) + pixels * BYTES_A_PIXEL)
+
+
+def _seconds_of_walks(hull_voxels: float, angles: int, options: ReconstructOptions) -> float:
+    """Return seconds that a frame's random walks take."""
+    if options.method == "stochastic":
+        return (options.mutations or MUTATIONS_A_VOXEL * hull_voxels) * SECONDS_A_MUTATION
+    if options.method != "appearance-transfer" or options.e_step != "stochastic":
+        return 0.0
+    proposals = options.mutations or MUTATIONS_A_VOXEL_AND_E_STEP * hull_voxels
+    return options.iterations * proposals * angles * SECONDS_A_MADE_MUTATION
 
 
 def estimate_carried(size: tuple[int, int], share: float, options: ReconstructOptions, views: int) -> float:

@@ -2,10 +2,12 @@
 
 from warpfluid.options.checks import RANGES, check_options
 from warpfluid.options.compare import CompareOptions
-from warpfluid.options.preview import PreviewOptions
 from warpfluid.options.export import ExportOptions
+from warpfluid.options.preview import PreviewOptions
 from warpfluid.options.reconstruct import (
     BRIGHT_FLAME,
+    MUTATIONS_A_VOXEL,
+    MUTATIONS_A_VOXEL_AND_E_STEP,
     PAPER,
     InputOptions,
     OutputOptions,
@@ -25,6 +27,8 @@ from warpfluid.options.simulate import SIMULATE_PAPER, SimulateOptions
 
 __all__ = [
     "BRIGHT_FLAME",
+    "MUTATIONS_A_VOXEL",
+    "MUTATIONS_A_VOXEL_AND_E_STEP",
     "PAPER",
     "RANGES",
     "SIMULATE_PAPER",

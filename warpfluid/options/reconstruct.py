@@ -15,6 +15,8 @@ FLAME_SHOULDER = 3.5
 NOISE = (0.3, 2.0, 2.0)  # log-amplitude, grain across and along the height [voxel]
 FLAME_NOISE = (1.0, 3.0, 8.0)
 FEWEST_ANGLES = 180
+MUTATIONS_A_VOXEL = 500  # of the hull
+MUTATIONS_A_VOXEL_AND_E_STEP = 20
 ANGLES_A_VOXEL = 0.25  # of width; below 0.2 there are streaks
 
 

@@ -5,14 +5,12 @@ from dataclasses import dataclass, field
 import numpy as np
 import warp as wp
 
-from warpfluid.options import ReconstructOptions
+from warpfluid.options import MUTATIONS_A_VOXEL, MUTATIONS_A_VOXEL_AND_E_STEP, ReconstructOptions
 from warpfluid.reconstruction import convex, couplings, stochastic
 from warpfluid.reconstruction.convex import Progress, SadEnergy
 from warpfluid.reconstruction.inputs import Inputs
 from warpfluid.reconstruction.start import least_squares
 
-MUTATIONS_A_VOXEL = 500  # of the hull
-MUTATIONS_A_VOXEL_AND_E_STEP = 20
 SWEEPS_AN_E_STEP = 12
 
 
