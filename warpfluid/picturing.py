@@ -21,7 +21,7 @@ from warpfluid.run import Run
 from warpfluid.simulation.outlines import Outlines
 from warpfluid.volumes import VolumeSequence, open_volumes
 
-RATE = 24.0
+RATE, WHITE = 24.0, 255.0
 TRY_AGAIN = "the other pictures are whole; with numbered pictures, the same command with --resume makes what is missing"
 
 
@@ -64,6 +64,12 @@ class Work:
     failed: dict[str, str] = field(default_factory=dict)
     made: list[dict] = field(default_factory=list)
 
+    @property
+    def voxel_size(self) -> float:
+        """Edge of a voxel in units of the scene."""
+        lattice = self.volumes.lattice
+        return lattice.voxel_size if lattice else self.volumes.output.voxel_size
+
     def eyes(self, shot: Shot, fields: dict) -> list[Picture]:
         """Return the picture of a shot, or those of both eyes."""
         lit = self.studio.light(fields, shot.number)
@@ -91,7 +97,7 @@ def render(
     log, problems = Progress(quiet=common.quiet), Problems()
     facts = {"separate": camera.stereo == "separate", "half": options.half, "deep": options.deep}
     target = problems.attempt(lambda: Target(path=out, **facts))
-    volumes = problems.attempt(open_volumes, source)
+    volumes = problems.attempt(_open, source, options)
     device = problems.attempt(pick_device, common.device)
     lamps = Lamps(light)
     problems.attempt(lambda: lamps.probe)
@@ -100,7 +106,7 @@ def render(
     studio = make_studio(options, lamps, volumes.output.look, device, rate=rate)
     shots = make_shots(volumes, options.frames, camera.turntable)
     check_target(target, shots, resume=resume, overwrite=overwrite)
-    stands = Outlines(Run(source)) if light.bodies and volumes.document else None
+    stands = Outlines(Run(Path(source).expanduser())) if light.bodies and volumes.document else None
     facts = {"volumes": volumes, "camera": decided(camera, options), "outlines": stands}
     work = Work(studio=studio, target=target, log=log, **facts)
     _say(work, shots)
@@ -109,6 +115,25 @@ def render(
         log.line(f"kept    {len(shots) - len(left)} pictures that are there")
     (_film if target.is_film else _stills)(work, left)
     return _conclude(work, len(shots), common)
+
+
+def _open(source: str, options: RenderOptions) -> VolumeSequence:
+    """Find the volumes; in those of another program the brightest ray of first, middle and last is white."""
+    volumes = open_volumes(source, grid=options.grid, up=options.source_up)
+    if volumes.document:
+        return volumes
+    frames = volumes.frames
+    some = {frames[0], frames[len(frames) // 2], frames[-1]}
+    brightest = max(_brightest(volumes, frame) for frame in some)
+    return replace(volumes, scale=volumes.scale * WHITE / brightest) if brightest > 0 else volumes
+
+
+def _brightest(volumes: VolumeSequence, frame: int) -> float:
+    """Return the brightest ray of a frame seen from the front; 0 of one that cannot be read, which is told later."""
+    try:
+        return float(volumes.density(frame).sum(axis=1).max())
+    except (ValueError, OSError):
+        return 0.0
 
 
 def make_shots(volumes: VolumeSequence, frames: str | None, turntable: int | None) -> list[Shot]:
@@ -186,7 +211,7 @@ def _stills(work: Work, shots: list[Shot]) -> None:
     """Write a file a picture."""
     for shot, eyes, begin in _pictures(work, shots):
         try:
-            files = work.target.write(shot.number, eyes, work.studio.screen, work.volumes.output.voxel_size)
+            files = work.target.write(shot.number, eyes, work.studio.screen, work.voxel_size)
         except (ValueError, OSError) as error:
             work.failed[f"picture {shot.number}"] = describe(error)
             continue
@@ -219,14 +244,22 @@ def _note(work: Work, shot: Shot, begin: float, name: str) -> None:
 
 
 def _say(work: Work, shots: list[Shot]) -> None:
-    """Say what is made of what."""
-    fields = work.volumes.fields(shots[0].frame, work.studio.names)
+    """Say what is made of what, judged by the first frame that can be read."""
+    for frame in dict.fromkeys(shot.frame for shot in shots):
+        try:
+            fields = work.volumes.fields(frame, work.studio.names)
+            break
+        except (ValueError, OSError):
+            if frame == shots[-1].frame:
+                raise
     if work.studio.options.motion_blur and "velocity" not in fields:
         raise ValueError(f"motion-blur needs velocity, which {work.volumes.name} does not hold: leave it out")
     x, z, y = fields["density"].shape
     width, height = picture_size((x, z, y), work.studio.options.size())
     name = work.studio.look.name if work.studio.look else work.studio.ramp
     work.log.line(f"source  {work.volumes.name}: {x}x{y}x{z} voxels, {len(work.volumes.frames)} frames")
+    for line in work.volumes.messages:
+        work.log.line(f"note    {line}")
     work.log.line(f"render  {len(shots)} pictures of {width}x{height}, look {name}, mode {work.studio.options.mode}")
     for line in stand_ins(work.studio.look, fields) if work.studio.look else ():
         work.log.line(f"note    {line}")

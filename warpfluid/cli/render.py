@@ -19,7 +19,7 @@ NO_CAMERA, NO_LIGHT, NO_PICTURE = (get_args(flags)[0]() for flags in (CameraFlag
 
 @app.command
 def render(
-    source: Annotated[str, Parameter(help="A run, or volumes: a folder, pattern or file, .vdb or .npz")],
+    source: Annotated[str, Parameter(help="A run, or volumes: a folder, pattern or file, .vdb, .nvdb, .vti or .npz")],
     *,
     out: Annotated[
         Path | None,
