@@ -82,6 +82,17 @@ def test_cost_grows_with_the_volume():
     assert estimate_cost((256, 256), 0.2, ReconstructOptions(method="lsm", angles=90))[0] < small[0]
 
 
+def test_random_walks_cost_by_mutations():
+    """Those that are asked for or those that the hull calls for; in an E-step by the angles, too."""
+
+    def seconds(**options):
+        return estimate_cost((96, 144), 0.1, ReconstructOptions(**options))[0]
+
+    assert seconds(method="lsm") < seconds(method="convex") < seconds(method="stochastic")
+    assert seconds(method="stochastic", mutations=4 * 10**9) > 60 > seconds(method="stochastic", mutations=1000)
+    assert seconds(e_step="stochastic", angles=180) > 1.5 * seconds(e_step="stochastic", angles=90)
+
+
 def test_long_runs_are_given_a_width():
     """A run of hours or of too much memory gets a smaller width that takes minutes; a short one gets none."""
     options = ReconstructOptions(coherence="none")
