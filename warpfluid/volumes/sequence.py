@@ -28,8 +28,8 @@ class VolumeSequence:
         name: What the user called it.
         files: The volumes by frame, rising.
         angles_deg: Angles of the views that its volumes show.
-        scale: What brings its densities to grey levels: 1 for volumes of footage; else the brightest ray of the first is
-            white, and a run that followed such volumes remembers.
+        scale: What brings its densities to grey levels: 1 for volumes of footage; else the brightest ray of the first
+            is white, and a run that followed such volumes remembers.
         output: How its files are stored, for more of the kind.
         document: What ``run.toml`` of a run says; None for volumes of another program.
         density_name: The grid that is the density.
