@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from warpfluid.options import CameraOptions
+from warpfluid.options import CameraOptions, RenderOptions
 from warpfluid.rendering.camera import orthographic
-from warpfluid.rendering.framing import cameras, picture_size
+from warpfluid.rendering.framing import cameras, decided, picture_size
 
 SHAPE = (40, 30, 60)
 
@@ -80,3 +80,11 @@ def test_size_of_the_picture():
     assert picture_size(SHAPE, (3, 5)) == (3, 5)
     assert picture_size(SHAPE, None) == (480, 720)
     assert picture_size((1, 1, 1000), None) == (2, 720)
+
+
+@pytest.mark.parametrize(
+    ("mode", "asked", "found"),
+    [("sum", "auto", "orthographic"), ("lit", "auto", "perspective"), ("sum", "perspective", "perspective")],
+)
+def test_projection_is_decided(mode, asked, found):
+    assert decided(CameraOptions(projection=asked), RenderOptions(mode=mode)).projection == found

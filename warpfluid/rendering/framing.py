@@ -6,13 +6,26 @@ from dataclasses import replace
 
 import numpy as np
 
-from warpfluid.options import CameraOptions
+from warpfluid.options import CameraOptions, RenderOptions
 from warpfluid.options.keys import Keyed
 from warpfluid.rendering.camera import Camera, middle, orthographic, perspective, stereo_pair
+from warpfluid.rendering.camera_path import read_camera_path
 from warpfluid.rendering.looks import UNITS
 
 LINES = 720  # of a picture whose size is not asked for
 FULL_TURN = 360.0
+
+
+def decided(camera: CameraOptions, options: RenderOptions) -> CameraOptions:
+    """Return camera options with the keys of their file, and the projection chosen.
+
+    Raises:
+        ValueError: If the file or a key is wrong.
+        OSError: If the file cannot be read.
+    """
+    keys = read_camera_path(camera.camera) if camera.camera else {}
+    usual = "orthographic" if options.mode == "sum" else "perspective"
+    return replace(camera, **keys, projection=usual if camera.projection == "auto" else camera.projection)
 
 
 def picture_size(shape: Sequence[int], asked: tuple[int, int] | None) -> tuple[int, int]:
