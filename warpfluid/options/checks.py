@@ -31,6 +31,7 @@ RANGES = {
     "noise_grain": (0.1, 100),
     "noise_grain_y": (0.1, 100),
     "seed": (0, 2**32 - 1),
+    "patch": (4, 64),
     "scales": (1, 10),
     "shoulder": (0, 10),
     "black_level": (0, 254),

@@ -130,6 +130,11 @@ class ReconstructOptions:
     ] = None
     seed: Annotated[int, "Seed of noise and random walks, the same for all frames"] = 0
     # M-step
+    transfer: Annotated[
+        Literal["histograms", "texture-optimization"],
+        "How views get the inputs' look: histograms of a pyramid's bands (the paper), or patches of the inputs",
+    ] = "histograms"
+    patch: Annotated[int, "Size of a patch of texture optimisation [pixel]"] = 16
     scales: Annotated[int | None, "Scales of the steerable pyramid; from the picture's size by default"] = None
     interpolation: Annotated[
         Literal["density", "quantile", "hybrid", "nearest", "first"],

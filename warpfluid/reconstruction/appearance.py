@@ -12,6 +12,7 @@ import numpy as np
 
 from warpfluid.kernels.launch import thread_count
 from warpfluid.reconstruction.histogram import MIXTURES, match, rank_grid
+from warpfluid.reconstruction.neighbours import around, between
 from warpfluid.reconstruction.pyramid import default_height, padded_shape, shared_pyramid
 
 INTENSITY = "intensity"
@@ -85,11 +86,9 @@ class AppearanceTransfer:
         return padded
 
     def _make_targets(self, images, angles_deg, fan_deg, interpolation):
-        images, angles = _around(images, angles_deg)
+        images, angles = around(images, angles_deg)
         images = self._pad(images)
-        fan = np.asarray(fan_deg, np.float64)
-        left = np.clip(np.searchsorted(angles, fan, side="right") - 1, 0, len(angles) - 2)
-        parts = (fan - angles[left]) / (angles[left + 1] - angles[left])
+        left, parts = between(angles, fan_deg)
         bands = self.pyramid.build(images) | {INTENSITY: images}
         targets, ranks = {}, {}
         for key, band in bands.items():
@@ -97,16 +96,8 @@ class AppearanceTransfer:
             ranks[key] = rank_grid(values.shape[1])
             levels = (ranks[key] + 0.5) / values.shape[1]
             name = "quantile" if interpolation == "hybrid" and key != INTENSITY else interpolation
-            targets[key] = np.empty((len(fan), levels.size), np.float32)
+            targets[key] = np.empty((len(left), levels.size), np.float32)
             for pair in np.unique(left):
                 at = np.flatnonzero(left == pair)
                 targets[key][at] = MIXTURES[name](values[pair], values[pair + 1], parts[at], levels)
         return targets, ranks
-
-
-def _around(images: np.ndarray, angles_deg: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """Sort views by angle and continue them, mirrored, by one on either side."""
-    order = np.argsort(angles_deg)
-    images, angles = np.asarray(images, np.float32)[order], np.asarray(angles_deg, np.float64)[order]
-    images = np.concatenate([images[-1:, ::-1], images, images[:1, ::-1]])
-    return images, np.concatenate([[angles[-1] - 180], angles, [angles[0] + 180]])

@@ -15,14 +15,14 @@ from warpfluid.device import pick_device
 from warpfluid.kernels import vectors
 from warpfluid.kernels.blur import blur
 from warpfluid.options import ReconstructOptions
-from warpfluid.reconstruction.appearance import AppearanceTransfer
 from warpfluid.reconstruction.convex import SadEnergy
-from warpfluid.reconstruction.inputs import Inputs, make_inputs
+from warpfluid.reconstruction.inputs import Inputs, given_statistics, make_inputs
 from warpfluid.reconstruction.lsm import LeastSquares
 from warpfluid.reconstruction.result import Reconstruction
 from warpfluid.reconstruction.start import first_volume, given_start, least_squares, rough_start
 from warpfluid.reconstruction.stochastic import random_walk
 from warpfluid.reconstruction.systems import Modelled, model, walk_options
+from warpfluid.reconstruction.transfers import make_transfer
 from warpfluid.views import Views
 
 BRIGHT = 200.0  # grey level
@@ -36,6 +36,7 @@ def reconstruct(
     options: ReconstructOptions | None = None,
     *,
     start: np.ndarray | None = None,
+    statistics: Views | None = None,
     progress: Progress | None = None,
     device: str | wp.Device | None = None,
 ) -> Reconstruction:
@@ -46,6 +47,8 @@ def reconstruct(
         options: Choices of the method.
         start: Volume that appearance transfer starts from, shape (x, z, y), ray sums in pixel values; by default the
             one that the options name.
+        statistics: Views that say how unseen ones look, in place of the inputs: the truth's, where it is known, give
+            the true histograms of Fig. 7. They may have any angles, and have the pictures' size.
         progress: Called after each iteration with its number and the energy.
         device: Where to compute; Warp's default when omitted.
 
@@ -53,7 +56,8 @@ def reconstruct(
         The volume, the initial volume, the energies.
 
     Raises:
-        ValueError: If the start's shape differs. A frame in which nothing is lit has an empty volume.
+        ValueError: If the shape of the start or of the statistics differs. A frame in which nothing is lit has an empty
+            volume.
     """
     options = (options or ReconstructOptions()).settled(**footage_facts(views))
     device = pick_device(device)
@@ -67,7 +71,8 @@ def reconstruct(
         volume = rough_start(inputs, options, initial)
     else:
         volume = given_start(inputs, options, start * np.float32(255 / views.white))
-    return finish(views, options, inputs, Iteration(inputs, options).run(volume, progress), initial)
+    looks = None if statistics is None else given_statistics(statistics, views, options)
+    return finish(views, options, inputs, Iteration(inputs, options, looks).run(volume, progress), initial)
 
 
 def finish(
@@ -103,18 +108,23 @@ class Iteration:
     Args:
         inputs: What is measured, how the rest should look, and the hull.
         options: Choices of the method, all settled.
+        statistics: Images and their angles that say how views look, in place of the inputs.
     """
 
-    def __init__(self, inputs: Inputs, options: ReconstructOptions):
+    def __init__(
+        self,
+        inputs: Inputs,
+        options: ReconstructOptions,
+        statistics: tuple[np.ndarray, tuple[float, ...]] | None = None,
+    ):
         self.inputs, self.options, self.device = inputs, options, inputs.hull.device
         measured = slice(0, inputs.measured)
         self._measured = inputs.images[measured]
         fan_deg, self._at = fan_angles(options.angles, inputs.angles_deg[measured])
         self._fan = inputs.projector(fan_deg, options.footprint)
         self._mask = self._fan.project(inputs.hull).numpy() > 0
-        self._transfer = AppearanceTransfer(
-            inputs.images, inputs.angles_deg, fan_deg, height=options.scales, interpolation=options.interpolation
-        )
+        looks, looks_deg = (inputs.images, inputs.angles_deg) if statistics is None else statistics
+        self._transfer = make_transfer(looks, looks_deg, fan_deg, options)
         self._weights = np.ones(len(fan_deg))
         self._weights[self._at] = options.input_weight
         self._walks: list[np.ndarray] = []

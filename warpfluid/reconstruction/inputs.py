@@ -126,6 +126,22 @@ def make_inputs(views: Views, options: ReconstructOptions, device: wp.Device) ->
     return Inputs(np.ascontiguousarray(images, np.float32), angles, measured, hull, corner, side, threshold, black)
 
 
+def given_statistics(
+    statistics: Views, views: Views, options: ReconstructOptions
+) -> tuple[np.ndarray, tuple[float, ...]]:
+    """Return how views look that others than the inputs tell: images in grey levels of linear light, and their angles.
+
+    Raises:
+        ValueError: If the images have another size than the inputs.
+    """
+    size, wanted = statistics.images.shape[1:], views.images.shape[1:]
+    if size != wanted:
+        raise ValueError(f"statistics have images of {size[0]} x {size[1]} pixels, expected {wanted[0]} x {wanted[1]}")
+    images = undo_shoulder(statistics.images * np.float32(255 / statistics.white), options.shoulder)
+    images, angles = _within_half_turn(images, statistics.angles_deg)
+    return np.asarray(images, np.float32), angles
+
+
 def undo_shoulder(grey: np.ndarray, strength: float) -> np.ndarray:
     """Take a film-like tone curve off footage; black and 255 stay, and the curve shows nothing brighter.
 
