@@ -21,6 +21,7 @@ renders.RUNS["wave"] = (
     "simulate --size 112x64 --frames 1-24 --no-turntable --no-report --swirl 4 --turbulence-strength 1.5 "
     f"--emitter '{CLOUD}' --body '{CRATE}' --obstacle 'cylinder center=2.8,2.5,-0.8 radius=0.6 size=1,5,1'"
 )
+renders.RUNS["blast"] = "simulate --preset explosion --size 128x160 --frames 1-24 --no-turntable --no-report"
 
 
 def film(name: str, words: str) -> None:
@@ -36,6 +37,7 @@ def film(name: str, words: str) -> None:
 
 BLAST = "--look explosion --ground --elevation 6 --zoom 1.5 --target 0,3.2,0"
 save("gallery-explosion.png", in_a_row(render("explosion", frame, BLAST, size=(256, 256)) for frame in (5, 10, 15, 22)))
+save("gallery-blast.png", in_a_row(render("blast", frame, BLAST, size=(420, 420)) for frame in (14, 22)))
 save("gallery-smoke.png", render("smoke", 60, "--ground --elevation 6 --angle 25", size=(420, 480)))
 EVENING = f"--probe {evening()} --probe-rotation 200 --ground --elevation 4 --angle 25 --exposure 0.5"
 save("gallery-evening.png", render("smoke", 60, EVENING, size=(420, 480)))
