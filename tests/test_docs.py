@@ -222,7 +222,8 @@ def test_names_in_the_method_exist():
     assert len(named) > 8
     for name in named:
         assert any(
-            path.as_posix().endswith(f"/{name}") for path in [*package.rglob("*.py"), *ROOT.glob("examples/*.py")]
+            path.as_posix().endswith(f"/{name}")
+            for path in [*package.rglob("*.py"), *ROOT.glob("examples/*.py"), *ROOT.glob("tests/**/*.py")]
         )
     source = "\n".join(path.read_text("utf-8") for path in package.rglob("*.py"))
     for name in re.findall(r"`([A-Za-z_]+(?:\.[A-Za-z_]+)+|[a-z]+_[a-z_]+)`", prose("docs/method.md")):
