@@ -36,19 +36,20 @@ def small(fire):
     return part * np.float32(255 / part.sum(axis=1).max())
 
 
-def small_matrices(shape, angles_deg):
+def small_matrices(shape, angles_deg, footprint="box"):
     """B and the differences of a small box as matrices."""
     units = np.eye(np.prod(shape), dtype=np.float32).reshape(-1, *shape)
-    views = np.stack([Projector(angles_deg, shape, device="cpu").project(unit).ravel() for unit in units], axis=1)
+    projector = Projector(angles_deg, shape, footprint=footprint, device="cpu")
+    views = np.stack([projector.project(unit).ravel() for unit in units], axis=1)
     gaps = [[np.diff(unit, axis=k).ravel() for unit in units] for k in range(3)]
     return views.astype(np.float64), np.concatenate([np.stack(gap, axis=1) for gap in gaps]).astype(np.float64)
 
 
-@pytest.mark.parametrize("weight", [0.3, 2.0])
-def test_the_convex_solver_finds_the_minimum(weight, device):
+@pytest.mark.parametrize(("weight", "footprint"), [(0.3, "box"), (2.0, "box"), (0.5, "joseph")])
+def test_the_convex_solver_finds_the_minimum(weight, footprint, device):
     """That of a quadratic program with a bound on every difference, by another solver."""
     shape, angles = (3, 3, 2), (0, 40, 90)
-    views, gaps = small_matrices(shape, angles)
+    views, gaps = small_matrices(shape, angles, footprint)
     wanted = views @ np.random.default_rng(2).random(18) + np.random.default_rng(3).normal(0, 0.3, len(views))
 
     def split(both):
@@ -66,7 +67,7 @@ def test_the_convex_solver_finds_the_minimum(weight, device):
         options={"maxiter": 500, "ftol": 1e-12},
     )
     assert found.success
-    projector = Projector(angles, shape, device=device)
+    projector = Projector(angles, shape, footprint=footprint, device=device)
     images = wp.array(wanted.reshape(projector.image_shape), dtype=float, device=projector.device)
     energy, volume = SadEnergy(projector, images, weight), wp.zeros(shape, dtype=float, device=projector.device)
     energies = minimise(energy, volume, steps=3000)
@@ -99,6 +100,14 @@ def test_the_walk_comes_near_the_minimum(small, angles, weight, device):
     if angles is FAN:
         a, b = walked.numpy(), lowest.numpy()
         assert np.linalg.norm(a - b) < 0.08 * np.linalg.norm(b)
+
+
+def test_views_of_the_convex_solver_weigh_the_same(small, device):
+    """It says so."""
+    energy, volume = problem(small, (0.0, 90.0), 1.0, device)
+    weighted = SadEnergy(energy.projector, energy.images, 1.0, weights=np.array([1.0, 2.0]))
+    with pytest.raises(ValueError, match="have weights"):
+        minimise(weighted, volume, steps=1)
 
 
 def test_what_a_walk_tells(small, device):

@@ -40,36 +40,38 @@ class SadEnergy:
         return squares + self.weight * sad.sad(volume)
 
 
-def minimise(
-    energy: SadEnergy, volume: wp.array, *, steps: int, balance: float = 1.0, progress: Progress | None = None
-) -> np.ndarray:
+def minimise(energy: SadEnergy, volume: wp.array, *, steps: int, progress: Progress | None = None) -> np.ndarray:
     """Minimise the energy, in place.
 
     Args:
-        energy: All its views weigh 1.
+        energy: What to minimise; all its views weigh 1.
         volume: Where to start, shape (x, z, y).
         steps: Primal-dual steps.
-        balance: Dual steps are longer and primal steps shorter by this.
         progress: Called with the number of the check and the energy.
 
     Returns:
         Energies before and after each ``STEPS_A_CHECK`` steps, shape (check, 2).
+
+    Raises:
+        ValueError: If the energy weighs its views.
     """
+    if energy.weights is not None:
+        raise ValueError("the views of the energy have weights, which this solver does not know: leave them out")
     projector = energy.projector
-    support = projector.hull
-    longest = float(projector.project(wp.clone(support)).numpy().max())
-    primal = 1 / (balance * (len(projector.angles_deg) + NEIGHBOURS))
-    dual_views = wp.zeros(projector.image_shape, dtype=float, device=projector.device)
+    dual_views = wp.full(projector.image_shape, 1.0, dtype=float, device=projector.device)
+    primal_step = 1 / (float(projector.backproject(dual_views).numpy().max()) + NEIGHBOURS)
+    views_step = 1 / max(float(projector.project(projector.hull).numpy().max()), 1)
+    dual_views.zero_()
     dual = wp.zeros((3, *projector.shape), dtype=float, device=projector.device)
     rendered, gradient = wp.empty_like(dual_views), wp.empty_like(volume)
     ahead = wp.clone(volume)
     energies, before = [], energy(volume)
     for step in range(steps):
         projector.project(ahead, out=rendered)
-        sad.raise_views(dual_views, rendered, energy.images, step=balance / max(longest, 1))
-        sad.raise_dual(ahead, dual, step=balance / 2, weight=energy.weight)
+        sad.raise_views(dual_views, rendered, energy.images, step=views_step)
+        sad.raise_dual(ahead, dual, step=0.5, weight=energy.weight)
         projector.backproject(dual_views, out=gradient)
-        sad.lower_primal(gradient, dual, support, volume, ahead, step=primal)
+        sad.lower_primal(gradient, dual, projector.hull, volume, ahead, step=primal_step)
         if (step + 1) % STEPS_A_CHECK == 0 or step == steps - 1:
             after = energy(volume)
             energies.append((before, after))
