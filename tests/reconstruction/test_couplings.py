@@ -124,6 +124,7 @@ def test_blend_weights():
     weights = np.array([0.5, 0, 0.2, 0.3, 0])
     np.testing.assert_allclose(blend_weights(columns, columns @ weights), weights, atol=1e-3)
     np.testing.assert_allclose(blend_weights(columns[:, :1], rng.random(50)), [1])
+    np.testing.assert_allclose(blend_weights(np.zeros((50, 4)), rng.random(50)), 0.25)  # nothing to choose from
 
 
 @pytest.mark.parametrize("stand_in", ["mirror", "front", "measured"])

@@ -107,7 +107,7 @@ def blend_weights(rendered: np.ndarray, wanted: np.ndarray) -> np.ndarray:
     scale = np.sqrt(np.square(rendered, dtype=np.float64).mean()) * len(wanted) ** 0.5 * CONVEX
     rows = np.concatenate([rendered.astype(np.float64), np.full((1, rendered.shape[1]), scale)])
     weights = nnls(rows, np.append(wanted.astype(np.float64), scale))[0]
-    return weights / weights.sum()
+    return weights / weights.sum() if weights.any() else np.full(len(weights), 1 / len(weights))
 
 
 def _looks(inputs: Inputs) -> tuple[np.ndarray, tuple[float, ...]]:
