@@ -13,7 +13,7 @@ from tiny import BARE, numbers, pair, quick, run, volumes
 from warpfluid.cli import app
 from warpfluid.files.bodies import read_bodies
 from warpfluid.files.npz import read_npz, write_npz
-from warpfluid.files.vdb import read_vdb
+from warpfluid.files.vdb import read_vdb, write_vdb
 from warpfluid.options import SIMULATE_PAPER, SimulateOptions
 from warpfluid.volumes import open_volumes
 
@@ -95,6 +95,13 @@ def test_volumes_of_another_program(tmp_path):
     assert open_volumes(tmp_path / "out").density(11).sum(axis=1).max() == pytest.approx(255, rel=1e-3)
     assert run("simulate", tmp_path / "out", *PLAIN, "-o", tmp_path / "again") == 0
     assert open_volumes(tmp_path / "again").density(11).sum(axis=1).max() == pytest.approx(255, rel=1e-3)
+
+
+def test_a_grid_of_another_name(tmp_path, capsys):
+    """The only one there is taken for the density, and the user is told."""
+    write_vdb(tmp_path / "a.0001.vdb", {"heat": cloud(1).transpose(0, 2, 1)}, voxel_size=1.0)
+    assert run("simulate", tmp_path / "a.0001.vdb", "--frames", "1", "--no-turntable", "-o", tmp_path / "out") == 0
+    assert "note    a.0001.vdb has no grid density: its grid heat is taken for it" in capsys.readouterr().err
 
 
 def test_an_empty_box(tmp_path, straight):

@@ -50,6 +50,8 @@ def compare(names: Sequence[str], truth: str | None, options: CompareOptions, ou
     device = problems.attempt(pick_device, common.device)
     field = problems.attempt(_open, names, truth, options)
     problems.raise_if_any()
+    for entry in field.entries:
+        log.notes(f"{entry.name}: {text}" for text in entry.volumes.messages)
     facts = {"truth": field.truth, "footage": field.footage, "unseen_deg": angles, "device": device}
     progress = lambda frame: log.line(f"measure frame {frame}")  # noqa: E731
     comparison = compare_entries(field.entries, field.frames, field.measured, **facts, progress=progress)

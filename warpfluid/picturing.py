@@ -190,11 +190,9 @@ def _say(work: Work, shots: list[Shot]) -> None:
     width, height = picture_size((x, z, y), work.studio.options.size())
     name = work.studio.look.name if work.studio.look else work.studio.ramp
     work.log.line(f"source  {work.volumes.name}: {x}x{y}x{z} voxels, {len(work.volumes.frames)} frames")
-    for line in work.volumes.messages:
-        work.log.line(f"note    {line}")
+    work.log.notes(work.volumes.messages)
     work.log.line(f"render  {len(shots)} pictures of {width}x{height}, look {name}, mode {work.studio.options.mode}")
-    for line in stand_ins(work.studio.look, fields) if work.studio.look else ():
-        work.log.line(f"note    {line}")
+    work.log.notes(stand_ins(work.studio.look, fields) if work.studio.look else ())
 
 
 def _conclude(work: Work, count: int, common) -> int:

@@ -1,7 +1,7 @@
 """What a run says while it works, on stderr: a bar on a terminal, a line a frame elsewhere."""
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 
 from rich.console import Console
@@ -24,6 +24,11 @@ class Progress:
     def line(self, text: str) -> None:
         """Say one line."""
         self._console.print(text, markup=False)
+
+    def notes(self, texts: Iterable[str]) -> None:
+        """Say what the user should know, a line each."""
+        for text in texts:
+            self.line(f"note    {text}")
 
     @contextmanager
     def frames(self, frames: Sequence[int], iterations: int) -> Iterator["FrameBar"]:

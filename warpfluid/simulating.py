@@ -62,6 +62,7 @@ def simulate(
     kept = run.begin(settings, facts, resume=resume, overwrite=overwrite)
     size = "x".join(map(str, _sizes(source)))
     log.line(f"source  {settings.source or 'an empty box'}: {size} voxels, {len(frames)} frames")
+    log.notes(volumes.messages)
     failed = _animate(run, settings, source, frames, device, resume and _continues(run, frames, kept), log)
     failed |= _summarize(run, settings, source, device, log)
     return conclude(run, frames, failed, as_json=common.json)

@@ -16,7 +16,7 @@ NO_CHOICES = get_args(CompareFlags)[0]()
 
 @app.command
 def compare(
-    *results: Annotated[str, Parameter(help="Runs, or volumes: a folder, pattern or file, .vdb or .npz")],
+    *results: Annotated[str, Parameter(help="Runs, or volumes: a folder, pattern or file, .vdb, .nvdb, .vti or .npz")],
     truth: Annotated[str | None, Parameter(help="The true volumes, or a run that counts as true")] = None,
     out: Annotated[
         list[Path] | None,

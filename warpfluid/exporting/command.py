@@ -40,8 +40,7 @@ def export(source: str, out: Path, options: ExportOptions, *, resume: bool, over
     record = Record(out)
     facts = scene_facts(sequence, options)
     record.begin(Path(source).expanduser(), options, facts, resume=resume, overwrite=overwrite)
-    for message in sequence.messages:
-        log.line(f"note    {message}")
+    log.notes(sequence.messages)
     failed = _export_frames(sequence, frames, options, lit, record, log)
     written = [str(out / facts["file"]) for facts in record.content["frames"].values()]
     if written:

@@ -20,6 +20,7 @@ def preview(source: str, options: PreviewOptions, *, html: Path | None, screensh
     for path, endings in ((html, (".html", ".htm")), (screenshot, (".png",))):
         _check_path(path, endings)
     scene = open_scene(source, options)
+    log.notes(scene.volumes.messages)
     result: dict = {"source": str(source), "frames": list(scene.frames)}
     if html:
         result["html"] = _write_page(html, scene, options, log)
