@@ -32,6 +32,7 @@ RANGES = {
     "noise_grain_y": (0.1, 100),
     "seed": (0, 2**32 - 1),
     "patch": (4, 64),
+    "sweeps": (1, 100),
     "scales": (1, 10),
     "shoulder": (0, 10),
     "black_level": (0, 254),

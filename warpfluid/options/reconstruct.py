@@ -131,10 +131,12 @@ class ReconstructOptions:
     seed: Annotated[int, "Seed of noise and random walks, the same for all frames"] = 0
     # M-step
     transfer: Annotated[
-        Literal["histograms", "texture-optimization"],
-        "How views get the inputs' look: histograms of a pyramid's bands (the paper), or patches of the inputs",
+        Literal["histograms", "texture-optimization", "portilla-simoncelli"],
+        "How views get the inputs' look: histograms of a pyramid's bands (the paper), patches of the inputs, or how "
+        "coefficients go together (Portilla and Simoncelli)",
     ] = "histograms"
     patch: Annotated[int, "Size of a patch of texture optimisation [pixel]"] = 16
+    sweeps: Annotated[int, "Sweeps over the statistics of portilla-simoncelli in an M-step"] = 2
     scales: Annotated[int | None, "Scales of the steerable pyramid; from the picture's size by default"] = None
     interpolation: Annotated[
         Literal["density", "quantile", "hybrid", "nearest", "first"],

@@ -68,7 +68,7 @@ class SteerablePyramid:
             for band, band_filter in enumerate(filters):
                 key = (scale, band)
                 bands[key] = visit(key, self._inverse(low * band_filter, self.sizes[scale]))
-            low = _crop(low, self.sizes[scale + 1]) * self._halving[scale]
+            low = crop(low, self.sizes[scale + 1]) * self._halving[scale]
         bands[LOWPASS] = visit(LOWPASS, self._inverse(low, self.sizes[-1]))
         return bands
 
@@ -78,7 +78,7 @@ class SteerablePyramid:
         for scale in reversed(range(self.height)):
             rows, columns = self.sizes[scale]
             total = np.zeros((*low.shape[:-2], rows, columns // 2 + 1), low.dtype)
-            _add_cropped(total, low * self._halving[scale], self.sizes[scale + 1])
+            add_cropped(total, low * self._halving[scale], self.sizes[scale + 1])
             for band, band_filter in enumerate(self._oriented[scale]):
                 total += self._forward(bands[scale, band]) * np.conj(band_filter)
             low = total
@@ -91,7 +91,7 @@ class SteerablePyramid:
         complex_dtype = np.result_type(self.dtype, np.complex64)
         self._oriented, self._halving = [], []
         for scale, size in enumerate(self.sizes):
-            radius, direction = _polar(size, self.shape)
+            radius, direction = polar(size, self.shape)
             if scale == 0:
                 self._highpass = _rising(radius, np.pi).astype(self.dtype)
                 self._lowpass = _falling(radius, np.pi).astype(self.dtype)
@@ -136,7 +136,7 @@ def padded_shape(shape: tuple[int, int], margin: int = 16) -> tuple[int, int]:
     return tuple(scipy.fft.next_fast_len(length + margin, real=True) for length in shape)
 
 
-def _polar(size: tuple[int, int], full: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+def polar(size: tuple[int, int], full: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies [radian/pixel of the full image] and directions [radian] of a half spectrum."""
     rows = np.rint(scipy.fft.fftfreq(size[0]) * size[0]) * 2 * np.pi / full[0]
     columns = np.rint(scipy.fft.rfftfreq(size[1]) * size[1]) * 2 * np.pi / full[1]
@@ -163,7 +163,8 @@ def _corners(size: tuple[int, int]) -> tuple[slice, slice, slice]:
     return slice(0, positive), slice(-negative or None, None) if negative else slice(0, 0), slice(0, (size[1] + 1) // 2)
 
 
-def _crop(spectrum: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+def crop(spectrum: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    """Cut a half spectrum to the frequencies of a smaller image, without the Nyquist frequencies of even sizes."""
     target = (*spectrum.shape[:-2], size[0], size[1] // 2 + 1)
     if target == spectrum.shape:
         return spectrum
@@ -174,7 +175,8 @@ def _crop(spectrum: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     return out
 
 
-def _add_cropped(total: np.ndarray, spectrum: np.ndarray, size: tuple[int, int]) -> None:
+def add_cropped(total: np.ndarray, spectrum: np.ndarray, size: tuple[int, int]) -> None:
+    """Add the half spectrum of a smaller image to that of a larger one, in place: the adjoint of ``crop``."""
     if total.shape == spectrum.shape:
         total += spectrum
         return

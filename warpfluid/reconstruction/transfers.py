@@ -6,6 +6,7 @@ import numpy as np
 
 from warpfluid.options import ReconstructOptions
 from warpfluid.reconstruction.appearance import AppearanceTransfer
+from warpfluid.reconstruction.portilla_simoncelli import PortillaSimoncelli
 from warpfluid.reconstruction.texture_optimization import TextureOptimization
 
 
@@ -42,7 +43,12 @@ def _texture_optimization(images, angles_deg, fan_deg, options: ReconstructOptio
     return TextureOptimization(images, angles_deg, fan_deg, patch=options.patch)
 
 
+def _portilla_simoncelli(images, angles_deg, fan_deg, options: ReconstructOptions) -> PortillaSimoncelli:
+    return PortillaSimoncelli(images, angles_deg, fan_deg, height=options.scales, sweeps=options.sweeps)
+
+
 TRANSFERS = {
     "histograms": _histograms,
     "texture-optimization": _texture_optimization,
+    "portilla-simoncelli": _portilla_simoncelli,
 }
