@@ -100,7 +100,8 @@ def each(kernel: wp.Kernel, count: int, inputs: list, device: wp.Device) -> None
         device: Where the arrays are.
     """
     if device.is_cuda:
-        wp.launch(kernel, dim=count, inputs=[0, *inputs], device=device, block_dim=32)
+        # threads of one warp that go different ways wait for each other, so each gets a block
+        wp.launch(kernel, dim=count, inputs=[0, *inputs], device=device, block_dim=1)
         return
     kernel.module.load(device)
 
