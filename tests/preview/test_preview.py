@@ -9,10 +9,10 @@ from tiny import BARE, pair, quick, run
 from warpfluid import doctor
 from warpfluid.files.images import read_image
 from warpfluid.files.npz import write_npz
+from warpfluid.footage.origin import find_footage
 from warpfluid.options import PreviewOptions
 from warpfluid.preview import show
 from warpfluid.preview.scene import open_scene, squared
-from warpfluid.preview.surroundings import find_footage, find_solids
 from warpfluid.rendering.ramps import RAMPS
 from warpfluid.rendering.turntable import render_turntable
 
@@ -80,13 +80,13 @@ def test_boxes_are_made_square():
 
 def test_footage_is_found(footage_run, solid_run, tmp_path):
     """That of a run, also through a simulation of it; a box that began empty has none."""
-    shot = find_footage(open_scene(footage_run))
-    assert shot.angles_deg == (0, 90)
-    assert shot.frames == (11, 12)
+    footage = find_footage(open_scene(footage_run).volumes.document)
+    assert footage.angles_deg == (0, 90)
+    assert footage.shot.frames == (11, 12)
     flags = ("--frames", "11-12", *BARE, "--device", "cpu", "-q", "-o", tmp_path / "flows")
     assert run("simulate", footage_run, *flags) == 0
-    assert find_footage(open_scene(tmp_path / "flows")).angles_deg == (0, 90)
-    assert find_footage(open_scene(solid_run)) is None
+    assert find_footage(open_scene(tmp_path / "flows").volumes.document).angles_deg == (0, 90)
+    assert find_footage(open_scene(solid_run).volumes.document) is None
 
 
 def test_lost_footage_is_told(tmp_path, capsys):
@@ -95,26 +95,7 @@ def test_lost_footage_is_told(tmp_path, capsys):
     assert run("reconstruct", *flags) == 0
     (tmp_path / "front").rename(tmp_path / "elsewhere")
     with pytest.raises(ValueError, match="front"):
-        find_footage(open_scene(tmp_path / "run"))
-
-
-def test_solids_stand_where_they_are(solid_run):
-    """Obstacles are as large as they were said to be and stay; the body falls, turned as it was."""
-    found = find_solids(open_scene(solid_run), (16, 16, 24))
-    unit, origin = 24 / 10, np.array([7.5, -0.5, 7.5])
-    assert list(found) == [1, 2, 3]
-    sphere, cylinder, body = found[1]
-    assert (sphere.moves, cylinder.moves, body.moves) == (False, False, True)
-    far = np.linalg.norm(sphere.vertices - origin - unit * np.array([-2, 4, 0]), axis=1)
-    np.testing.assert_allclose(far, unit, rtol=1e-3)
-    low, high = cylinder.vertices.min(axis=0), cylinder.vertices.max(axis=0)
-    np.testing.assert_allclose((high - low)[[0, 1]], [2 * unit, 2 * unit], rtol=1e-2)
-    np.testing.assert_allclose((high + low) / 2, origin + unit * np.array([0, 6, 0]), atol=1e-3)
-    np.testing.assert_allclose(body.vertices.mean(axis=0), origin + unit * np.array([2, 7, 0]), atol=0.01)
-    turned = unit * (2 * np.cos(np.pi / 6) + 3 * np.sin(np.pi / 6))
-    assert np.ptp(body.vertices[:, 0]) == pytest.approx(turned, rel=1e-3)
-    assert found[3][2].vertices[:, 1].mean() < body.vertices[:, 1].mean() - 0.01
-    np.testing.assert_array_equal(found[3][0].vertices, sphere.vertices)
+        find_footage(open_scene(tmp_path / "run").volumes.document)
 
 
 def test_a_page_is_written(volumes, tmp_path, capsys):

@@ -9,7 +9,6 @@ from warpfluid.options import PreviewOptions
 from warpfluid.preview import parts
 from warpfluid.preview.controls import Controls
 from warpfluid.preview.scene import open_scene
-from warpfluid.preview.surroundings import Solid
 from warpfluid.rendering.turntable import render_turntable
 
 SIZE = "480x400"
@@ -174,7 +173,7 @@ def test_pictures_stand_behind_the_box(angle, behind, right):
 
 def test_solids_and_slices_keep_their_places():
     """A mesh keeps its points; slices lie where they should and hide what is dark."""
-    made = parts.solid(Solid(np.eye(4, 3) * 3.0, np.array([[0, 1, 2], [0, 2, 3]]), True))
+    made = parts.solid(np.eye(4, 3) * 3.0, np.array([[0, 1, 2], [0, 2, 3]]))
     assert made.n_cells == 2
     np.testing.assert_allclose(made.points, np.eye(4, 3) * 3.0)
     density = np.random.default_rng(0).random((5, 5, 9)).astype(np.float32)

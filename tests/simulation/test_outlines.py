@@ -57,6 +57,17 @@ def test_obstacles_and_bodies(run):
         assert weigh(thing.vertices, thing.triangles).volume > 0
 
 
+def test_in_finer_files(run):
+    """Where files have more voxels than the simulation, everything is as much larger."""
+    text = (run.folder / "run.toml").read_text()
+    coarse = Outlines(run).at(2, SHAPE)
+    (run.folder / "run.toml").write_text(f"{text}[simulate]\ndetail = 2\n")
+    fine_shape = tuple(2 * n for n in SHAPE)
+    origin, fine_origin = (Placing(shape, 1.0).origin for shape in (SHAPE, fine_shape))
+    for before, after in zip(coarse, Outlines(run).at(2, fine_shape), strict=True):
+        np.testing.assert_allclose(after.vertices - fine_origin, 2 * (before.vertices - origin), atol=1e-6)
+
+
 def test_other_frames(run):
     """A keyed obstacle has moved on; a body without a record is not there."""
     outlines = Outlines(run)

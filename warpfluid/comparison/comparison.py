@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 
 from warpfluid.comparison.entries import Entry
-from warpfluid.comparison.footage import Footage
+from warpfluid.footage.origin import Footage
 from warpfluid.comparison.measure import (
     ASIDE_DEG,
     Numbers,

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from warpfluid.comparison.footage import find_origin
+from warpfluid.footage.origin import find_origin
 from warpfluid.errors import Problems
 from warpfluid.files.sequences import format_frames
 from warpfluid.volumes import VolumeSequence

@@ -6,7 +6,6 @@ World coordinates are index coordinates (x, y, z): voxel centres are whole numbe
 import numpy as np
 
 from warpfluid.preview.summing import image_grid
-from warpfluid.preview.surroundings import Solid
 from warpfluid.rendering.ramps import apply_ramp
 
 ARROWS = 500  # about so many are drawn
@@ -106,11 +105,11 @@ def picture(image: np.ndarray, angle_deg: float, shape: tuple[int, int, int]):
     return plane, texture
 
 
-def solid(made: Solid):
-    """Return the surface of a body or an obstacle."""
+def solid(vertices: np.ndarray, triangles: np.ndarray):
+    """Return the surface of a body or an obstacle: vertices (x, y, z) [voxel], and their indices."""
     import pyvista
 
-    return pyvista.PolyData.from_regular_faces(made.vertices.astype(np.float32), made.triangles)
+    return pyvista.PolyData.from_regular_faces(vertices.astype(np.float32), triangles)
 
 
 def outline(shape: tuple[int, int, int]):

@@ -5,12 +5,14 @@ from collections.abc import Callable, Collection
 import numpy as np
 
 from warpfluid.errors import describe
+from warpfluid.footage.origin import find_footage
 from warpfluid.options import PreviewOptions
 from warpfluid.options.preview import PARTS
 from warpfluid.preview import parts
 from warpfluid.preview.scene import Scene
 from warpfluid.preview.summing import summed_volume
-from warpfluid.preview.surroundings import find_footage, find_solids
+from warpfluid.run import Run
+from warpfluid.simulation.outlines import Outlines
 
 SKY, GROUND = "#1b2029", "#090b0f"
 ELEVATION_DEG = 15.0
@@ -45,7 +47,7 @@ class Window:
         self._names: dict[str, list[str]] = {}
         self._lacking: set[str] = set()
         self._fields: tuple[int, dict[str, np.ndarray]] = (-1, {})
-        self._shot = self._solids = None
+        self._footage = self._outlines = None
         self.plotter = pyvista.Plotter(off_screen=off_screen, window_size=options.window_size, lighting="three lights")
         self.plotter.set_background(GROUND, top=SKY)
         self.density = scene.volumes.density(self.frame)
@@ -153,26 +155,33 @@ class Window:
         return [name]
 
     def _add_pictures(self) -> list[str]:
-        self._shot = self._shot or find_footage(self.scene)
-        if self._shot is None:
+        self._footage = self._footage or find_footage(self.scene.volumes.document)
+        images = self._footage.images(self.frame) if self._footage else None
+        if images is None:
             self._lacking.add("pictures")
             return []
-        views, names = self._shot.views(self.frame), []
-        for image, angle in zip(views.images, views.angles_deg, strict=True):
+        names = []
+        for image, angle in zip(images, self._footage.angles_deg, strict=True):
             plane, texture = parts.picture(image, angle, self.density.shape)
             names.append(f"picture {angle:g}")
             self._add(plane, names[-1], texture=texture, lighting=False)
         return names
 
     def _add_bodies(self) -> list[str]:
-        if self._solids is None:
-            self._solids = find_solids(self.scene, self.density.shape)
+        if self.scene.volumes.document is None:
+            return []
+        self._outlines = self._outlines or Outlines(Run(self.scene.volumes.name))
         names = []
-        for number, solid in enumerate(self._solids.get(self.frame, ())):
+        for number, outline in enumerate(self._outlines.at(self.frame, self.density.shape)):
             names.append(f"body {number}")
-            colour = parts.BODY_COLOUR if solid.moves else parts.OBSTACLE_COLOUR
+            colour = parts.BODY_COLOUR if outline.kind == "body" else parts.OBSTACLE_COLOUR
             self._add(
-                parts.solid(solid), names[-1], color=colour, specular=0.3, smooth_shading=True, split_sharp_edges=True
+                parts.solid(outline.vertices, outline.triangles),
+                names[-1],
+                color=colour,
+                specular=0.3,
+                smooth_shading=True,
+                split_sharp_edges=True,
             )
         return names
 

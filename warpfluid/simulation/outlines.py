@@ -67,6 +67,7 @@ class Outlines:
         if states and len(states) != len(self._things["body"]):
             raise ValueError(f"{self._path} has {len(states)} bodies, the settings {len(self._things['body'])}")
         voxel = self._settings.get("output", {}).get("voxel_size", 1.0)
+        voxel /= self._settings.get("simulate", {}).get("detail", 1)  # its files have more and smaller voxels
         for options, state in zip(self._things["body"], states, strict=False):
             body = placing.body(options, frame)
             body.position = placing.origin + state["position"] / voxel
