@@ -15,8 +15,10 @@ from warpfluid.run import FILM, PAGE, Run
 from warpfluid.settings import Settings, make_settings
 
 
-def reconstruct(settings: Settings, out: Path, *, resume: bool, overwrite: bool, common) -> int:
-    """Reconstruct a shot into a folder; return the exit code."""
+def reconstruct(
+    settings: Settings, out: Path, *, resume: bool, overwrite: bool, common, debug_dir: Path | None = None
+) -> int:
+    """Reconstruct a shot into a folder, and every iteration's pictures into another; return the exit code."""
     from warpfluid.device import pick_device
 
     log, run, problems = Progress(quiet=common.quiet), Run(out), Problems()
@@ -24,6 +26,8 @@ def reconstruct(settings: Settings, out: Path, *, resume: bool, overwrite: bool,
     device = problems.attempt(pick_device, common.device)
     shot = problems.attempt(open_shot, settings.views, settings.input)
     problems.raise_if_any()
+    if debug_dir:
+        _make_folder(debug_dir, "--debug-dir")
     _check_lengths(shot, settings)
     inspection = inspect_shot(shot, settings.reconstruct)
     check_memory(inspection.memory_bytes, shot.size[0], device)
@@ -36,7 +40,7 @@ def reconstruct(settings: Settings, out: Path, *, resume: bool, overwrite: bool,
     frames = [frame for frame in shot.frames if frame not in done]
     if len(frames) < len(shot.frames):
         log.line(f"resume  {len(shot.frames) - len(frames)} of {len(shot.frames)} frames are there")
-    failed = _reconstruct(run, shot, settings, frames, device, log)
+    failed = _reconstruct(run, shot, settings, frames, device, log, debug_dir)
     failed |= _summarize(run, shot, settings, inspection, device, log)
     return conclude(run, shot.frames, failed, as_json=common.json)
 
@@ -108,15 +112,20 @@ def _check_lengths(shot: Shot, settings: Settings) -> None:
         raise ValueError(f"the views have unequal frames ({found}): {way_out}")
 
 
-def _reconstruct(run: Run, shot: Shot, settings: Settings, frames: list[int], device, log: Progress) -> dict[str, str]:
+def _reconstruct(
+    run: Run, shot: Shot, settings: Settings, frames: list[int], device, log: Progress, debug_dir: Path | None
+) -> dict[str, str]:
     """Reconstruct frames; return what failed."""
     from warpfluid.reconstruction.sequence import reconstruct_frames
     from warpfluid.reconstruction.systems import round_count
+    from warpfluid.report.panels import panel_writer
 
     failed, count = {}, 0
+    observer = panel_writer(debug_dir, settings.output.look) if debug_dir else None
     try:
         with log.frames(frames, round_count(settings.reconstruct)) as bar:
-            for record in reconstruct_frames(shot, settings, run, device=device, frames=frames, progress=bar.iteration):
+            watched = {"progress": bar.iteration, "observer": observer}
+            for record in reconstruct_frames(shot, settings, run, device=device, frames=frames, **watched):
                 if "error" in record:
                     failed[f"frame {record['frame']}"] = record["error"]
                 count += 1
@@ -142,9 +151,9 @@ def _summarize(
     return do_all(jobs if set(run.records()) & set(shot.frames) else {}, log)
 
 
-def _make_folder(out: Path) -> None:
+def _make_folder(out: Path, flag: str = "-o") -> None:
     if out.exists() and not out.is_dir():
-        raise ValueError(f"{out} is a file: name a folder with -o")
+        raise ValueError(f"{out} is a file: name a folder with {flag}")
     out.mkdir(parents=True, exist_ok=True)
 
 

@@ -15,10 +15,10 @@ import numpy as np
 
 sys.path.append(str(Path(__file__).parents[1]))
 
-import warpfluid as wf  # noqa: E402
-from warpfluid.files.images import write_png  # noqa: E402
-from warpfluid.metrics import compare_pictures, grid_index, psnr  # noqa: E402
-from warpfluid.options import ReconstructOptions  # noqa: E402
+import warpfluid as wf
+from warpfluid.files.images import write_png
+from warpfluid.metrics import compare_pictures, grid_index, psnr
+from warpfluid.options import ReconstructOptions
 
 BETWEEN = (10, 20, 30, 40, 50, 60, 70, 80, 100, 115, 130, 145, 160)  # unseen by pairs at 0 and 90 [degree]
 FLOOR_DEG = 10  # the truth's own view as far aside is the floor of a distance
@@ -126,7 +126,9 @@ def floor(truth: np.ndarray, inputs_deg: Sequence[float], unseen_deg=BETWEEN) ->
     """Return what the truth scores, seen from some degrees aside."""
     aside = pictures(truth, [angle + FLOOR_DEG for angle in unseen_deg])
     pairs = zip(aside, pictures(truth, unseen_deg), strict=True)
-    return _means([compare_pictures(made, true) for made, true in pairs]) | {"grid_index": grid_index(truth, inputs_deg)}
+    return _means([compare_pictures(made, true) for made, true in pairs]) | {
+        "grid_index": grid_index(truth, inputs_deg)
+    }
 
 
 def _means(rows: list[dict[str, float]]) -> dict[str, float]:

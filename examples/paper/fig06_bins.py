@@ -8,7 +8,7 @@ that Eq. 4 draws between the first and the last one.
 
 import numpy as np
 from common import project, save, tell
-from gallery import in_a_row, plot
+from gallery import plot
 from scenes import truth
 
 BINS, SHOWN = 26, (5, 13, 21)  # of 256 grey levels; the paper shows three of its bins
@@ -36,7 +36,9 @@ rows = {
     }
     for name, found in (("linear (Eq. 4)", straight), ("nearest input", nearest), ("front alone", front))
 }
-rows["one true view from the next, 5 degrees"] = {"mean distance": float(np.abs(np.diff(shares, axis=0)).sum(1).mean() / 2)}
+rows["one true view from the next, 5 degrees"] = {
+    "mean distance": float(np.abs(np.diff(shares, axis=0)).sum(1).mean() / 2)
+}
 tell("fig06", rows)
 
 # %%
@@ -50,4 +52,4 @@ plots = [
     )
     for k in SHOWN
 ]
-save("fig06", in_a_row(plots))
+save("fig06", np.concatenate(plots, axis=1))

@@ -7,7 +7,7 @@ Eq. 1 after the M-step and after the E-step, for the two views of Fig. 9 and the
 
 import numpy as np
 from common import model, save, tell, views_of
-from gallery import plot, stack
+from gallery import plot
 from scenes import truth
 
 INPUTS = {"2 views": (0, 90), "6 views": (0, 30, 60, 90, 120, 150)}
@@ -31,4 +31,4 @@ for name, inputs_deg in INPUTS.items():
         curves = {"after the M-step": (x, after_m / 1e6), "after the E-step": (x, after_e / 1e6)}
         plots.append(plot(curves, f"{name}, {method}: energy [million] over the iteration", size=(480, 260)))
 tell("fig15", rows)
-save("fig15", stack([np.concatenate(plots[:2], axis=1), np.concatenate(plots[2:], axis=1)]))
+save("fig15", np.concatenate([np.concatenate(pair, axis=1) for pair in (plots[:2], plots[2:])]))

@@ -1,9 +1,10 @@
 """What the figures of sequences share: footage of scenes, runs of the command line, and what is measured in them."""
 
+import io
 import shlex
 import sys
 from collections.abc import Sequence
-from pathlib import Path
+from contextlib import redirect_stdout
 
 import numpy as np
 from common import arguments, project
@@ -38,8 +39,7 @@ def run(name: str, words: str) -> Run:
     folder = arguments().out / "runs" / name
     if not (folder / "done").exists():
         more = ["-o", str(folder), "--overwrite", "--no-turntable", "--no-report", "--device", "cpu", "-q"]
-        if main([*shlex.split(words), *more]):
-            sys.exit(f"{name} failed: warpfluid {words}")
+        _do([*shlex.split(words), *more])
         (folder / "done").touch()
     return Run(folder)
 
@@ -48,11 +48,18 @@ def picture(made: Run, frame: int, words: str) -> np.ndarray:
     """Return a frame of a run as ``warpfluid render`` shows it with the flags of ``words``, uint8."""
     from warpfluid.files.images import read_image
 
-    path = Path(arguments().out) / "runs" / "picture.png"
+    path = arguments().out / "runs" / "picture.png"
     flags = [*shlex.split(words), "--frames", str(frame), "-o", str(path), "--overwrite", "-q", "--device", "cpu"]
-    if main(["render", str(made.folder), *flags]):
-        sys.exit(f"render {made.folder} {words} failed")
+    _do(["render", str(made.folder), *flags])
     return np.clip(np.rint(read_image(path)[..., :3] * 255), 0, 255).astype(np.uint8)
+
+
+def _do(words: list[str]) -> None:
+    """Run a command without its words, and stop where it fails."""
+    with redirect_stdout(io.StringIO()):
+        code = main(words)
+    if code:
+        sys.exit(f"this failed: warpfluid {shlex.join(words)}")
 
 
 def straight_lines(volume: np.ndarray) -> float:

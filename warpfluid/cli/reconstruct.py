@@ -35,6 +35,9 @@ def reconstruct(
     config: ConfigFlag = None,
     resume: Annotated[bool, Parameter(negative=(), help="Continue a run: frames that are there are kept")] = False,
     overwrite: Annotated[bool, Parameter(negative=(), help="Delete an earlier run in the folder")] = False,
+    debug_dir: Annotated[
+        Path | None, Parameter(help="Folder for pictures of every iteration of appearance transfer (Fig. 3)")
+    ] = None,
     footage: InputFlags = NO_INPUT,
     method: MethodFlags = NO_METHOD,
     output: OutputFlags = NO_OUTPUT,
@@ -49,4 +52,4 @@ def reconstruct(
         config = out / "run.toml"  # what is not said again stays as it was
     views = [*(view or []), *named_views(front, side)]
     settings = commands.make_settings(views, footage, method, output, paper=paper, config=config)
-    return commands.reconstruct(settings, out, resume=resume, overwrite=overwrite, common=common)
+    return commands.reconstruct(settings, out, resume=resume, overwrite=overwrite, common=common, debug_dir=debug_dir)

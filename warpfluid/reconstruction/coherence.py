@@ -17,7 +17,7 @@ from warpfluid.motion.carry import carry
 from warpfluid.options import ReconstructOptions
 from warpfluid.reconstruction.em import Iteration, Progress, finish, footage_facts
 from warpfluid.reconstruction.inputs import Inputs, make_inputs
-from warpfluid.reconstruction.result import Reconstruction
+from warpfluid.reconstruction.result import Observer, Reconstruction
 from warpfluid.reconstruction.start import SWEEPS, first_volume, rough_start, roughen
 from warpfluid.views import Views
 
@@ -35,6 +35,7 @@ def follow(
     options: ReconstructOptions,
     *,
     progress: Progress | None = None,
+    observe: Observer | None = None,
     device: str | wp.Device | None = None,
 ) -> Reconstruction | None:
     """Model the frame after one whose volume is known.
@@ -45,6 +46,7 @@ def follow(
         later: Views of the frame to model, at the same angles.
         options: Choices of the method; at least ``coherent_iterations`` are made.
         progress: Called after each iteration with its number and the energy.
+        observe: Called after each iteration with its pictures and the volume.
         device: Where to compute; the first GPU there is when omitted.
 
     Returns:
@@ -63,7 +65,7 @@ def follow(
         return None
     roughen(volume, inputs, options, amplitude=min(REFRESH, options.start_noise))
     options = replace(options, iterations=few + round(lacking / CUT * max(full - few, 0)))
-    modelled = Iteration(inputs, options).run(volume, progress, fade_first=True)
+    modelled = Iteration(inputs, options).run(volume, progress, fade_first=True, observe=observe)
     return finish(later, options, inputs, modelled, initial)
 
 

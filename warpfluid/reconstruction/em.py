@@ -18,7 +18,7 @@ from warpfluid.options import ReconstructOptions
 from warpfluid.reconstruction.convex import SadEnergy
 from warpfluid.reconstruction.inputs import Inputs, given_statistics, make_inputs
 from warpfluid.reconstruction.lsm import LeastSquares
-from warpfluid.reconstruction.result import Reconstruction
+from warpfluid.reconstruction.result import Observer, Reconstruction, Step
 from warpfluid.reconstruction.start import first_volume, given_start, least_squares, rough_start
 from warpfluid.reconstruction.stochastic import random_walk
 from warpfluid.reconstruction.systems import Modelled, model, walk_options
@@ -38,6 +38,7 @@ def reconstruct(
     start: np.ndarray | None = None,
     statistics: Views | None = None,
     progress: Progress | None = None,
+    observe: Observer | None = None,
     device: str | wp.Device | None = None,
 ) -> Reconstruction:
     """Model the volume of one frame from its views, by appearance transfer or another system (``systems``).
@@ -50,6 +51,7 @@ def reconstruct(
         statistics: Views that say how unseen ones look, in place of the inputs: the truth's, where it is known, give
             the true histograms of Fig. 7. They may have any angles, and have the pictures' size.
         progress: Called after each iteration with its number and the energy.
+        observe: Called after each iteration of appearance transfer with its pictures and the volume.
         device: Where to compute; Warp's default when omitted.
 
     Returns:
@@ -72,7 +74,8 @@ def reconstruct(
     else:
         volume = given_start(inputs, options, start * np.float32(255 / views.white))
     looks = None if statistics is None else given_statistics(statistics, views, options)
-    return finish(views, options, inputs, Iteration(inputs, options, looks).run(volume, progress), initial)
+    modelled = Iteration(inputs, options, looks).run(volume, progress, observe=observe)
+    return finish(views, options, inputs, modelled, initial)
 
 
 def finish(
@@ -120,12 +123,12 @@ class Iteration:
         self.inputs, self.options, self.device = inputs, options, inputs.hull.device
         measured = slice(0, inputs.measured)
         self._measured = inputs.images[measured]
-        fan_deg, self._at = fan_angles(options.angles, inputs.angles_deg[measured])
-        self._fan = inputs.projector(fan_deg, options.footprint)
+        self._fan_deg, self._at = fan_angles(options.angles, inputs.angles_deg[measured])
+        self._fan = inputs.projector(self._fan_deg, options.footprint)
         self._mask = self._fan.project(inputs.hull).numpy() > 0
         looks, looks_deg = (inputs.images, inputs.angles_deg) if statistics is None else statistics
-        self._transfer = make_transfer(looks, looks_deg, fan_deg, options)
-        self._weights = np.ones(len(fan_deg))
+        self._transfer = make_transfer(looks, looks_deg, self._fan_deg, options)
+        self._weights = np.ones(len(self._fan_deg))
         self._weights[self._at] = options.input_weight
         self._walks: list[np.ndarray] = []
         self._solver = LeastSquares(self._fan, weights=self._weights, ramp=options.preconditioner == "ramp")
@@ -137,13 +140,21 @@ class Iteration:
             self._fan.backproject(ones, out=self._seen)
             blur(inputs.support, options.fade_blur, scratch=self._scratch, out=self._cover)
 
-    def run(self, volume: wp.array, progress: Progress | None = None, *, fade_first: bool = False) -> Modelled:
+    def run(
+        self,
+        volume: wp.array,
+        progress: Progress | None = None,
+        *,
+        fade_first: bool = False,
+        observe: Observer | None = None,
+    ) -> Modelled:
         """Alternate M-step and E-step.
 
         Args:
             volume: Where to start, over the inputs' part of the box; changed in place.
             progress: Called after each iteration with its number and the energy.
             fade_first: Fade in the first iteration too; the M-step of a rough start still sees the start's silhouette.
+            observe: Called after each iteration with its pictures and the volume.
 
         Returns:
             The volume, and its energy after each M-step and each E-step.
@@ -151,6 +162,7 @@ class Iteration:
         energies = np.zeros((self.options.iterations, 2))
         rendered = self._fan.project(volume)
         for iteration in range(self.options.iterations):
+            before = rendered.numpy().copy() if observe else None
             made = self._m_step(rendered)
             residual = wp.array(made, dtype=float, device=self.device)
             vectors.add_scaled(residual, -1.0, rendered, out=residual)
@@ -162,6 +174,8 @@ class Iteration:
             energies[iteration, 1] = vectors.dot(residual, residual)
             if progress:
                 progress(iteration + 1, energies[iteration, 1])
+            if observe:
+                observe(Step(iteration + 1, self._fan_deg, before, made, self.inputs.whole(volume)))
         return Modelled(volume, energies, np.concatenate(self._walks) if self._walks else np.zeros((0, 2)))
 
     def _m_step(self, rendered: wp.array) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 import base64
 import io
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -9,6 +10,28 @@ import numpy as np
 from warpfluid.projector import Projector
 
 SHOWN_DEG = (0, 30, 60, 90)
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One iteration of appearance transfer (Fig. 3), in grey levels.
+
+    Attributes:
+        iteration: Its number, from 1.
+        angles_deg: Angles of the views that appearance is transferred to.
+        rendered: The volume before it, seen from there, shape (angle, u, v).
+        made: What the M-step made of these views, the same shape.
+        volume: What the E-step fitted to that, shape (x, z, y).
+    """
+
+    iteration: int
+    angles_deg: tuple[float, ...]
+    rendered: np.ndarray
+    made: np.ndarray
+    volume: np.ndarray
+
+
+Observer = Callable[[Step], None]
 
 
 @dataclass(frozen=True, eq=False)

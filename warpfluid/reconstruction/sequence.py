@@ -11,6 +11,7 @@ from warpfluid.metrics import psnr
 from warpfluid.reconstruction.coherence import follow
 from warpfluid.reconstruction.em import reconstruct
 from warpfluid.reconstruction.inputs import apply_shoulder
+from warpfluid.reconstruction.result import Observer
 from warpfluid.run import Run, stored
 from warpfluid.settings import Settings
 from warpfluid.views import Views
@@ -28,6 +29,7 @@ def reconstruct_frames(
     device=None,
     frames: Iterable[int] | None = None,
     progress: Progress | None = None,
+    observer: Callable[[int], Observer] | None = None,
 ) -> Iterator[dict]:
     """Reconstruct frames into a run, one after the other, each from the one before where that is coherent.
 
@@ -39,6 +41,7 @@ def reconstruct_frames(
         device: Where to compute.
         frames: Which frames; all of the shot by default.
         progress: Called with frame, iteration and energy.
+        observer: Called with a frame, returns what its iterations are shown to.
 
     Yields:
         The record of every frame; one that failed has the key ``error``.
@@ -48,7 +51,7 @@ def reconstruct_frames(
         try:
             if settings.reconstruct.coherence == "flow":
                 before = _frame_before(shot, run, frame, before)
-            record, volume, views = _reconstruct_frame(shot, settings, run, frame, before, device, progress)
+            record, volume, views = _reconstruct_frame(shot, settings, run, frame, before, device, progress, observer)
             before = (frame, volume, views)
             yield record
         except Exception as error:  # one frame must not end the run, whichever library gave up
@@ -65,17 +68,18 @@ def _frame_before(shot: Shot, run: Run, frame: int, latest: tuple | None) -> tup
 
 
 def _reconstruct_frame(
-    shot: Shot, settings: Settings, run: Run, frame: int, before: tuple | None, device, progress: Progress | None
+    shot: Shot, settings: Settings, run: Run, frame: int, before: tuple | None, device, progress, observer
 ) -> tuple[dict, np.ndarray, Views]:
     """Reconstruct and write a frame; return its record, its volume as stored, and its views."""
     begin, result = time.perf_counter(), None
     views, options = shot.views(frame), settings.reconstruct
     report = (lambda iteration, energy: progress(frame, iteration, energy)) if progress else None
+    observe = observer(frame) if observer else None
     if before and options.coherence == "flow" and options.method == "appearance-transfer":
-        result = follow(before[1], before[2], views, options, progress=report, device=device)
+        result = follow(before[1], before[2], views, options, progress=report, observe=observe, device=device)
     carried = result is not None
     if not carried:
-        result = reconstruct(views, options, progress=report, device=device)
+        result = reconstruct(views, options, progress=report, observe=observe, device=device)
     rendered = apply_shoulder(result.render(views.angles_deg), options.shoulder)
     record = {
         "carried": carried,
