@@ -102,6 +102,18 @@ def test_no_energy_is_lost(suns):
     np.testing.assert_allclose(whole(lighting), energy(picture), rtol=1e-9)
 
 
+@pytest.mark.parametrize("shape", [(8, 16), (4, 8)])
+def test_tiny_probe(shape):
+    """One pixel is wider than a sun, and still is one: where it is, with all of its energy."""
+    picture = np.full((*shape, 3), 0.1)
+    directions, solid = sphere(shape)
+    picture[0, -1] += 50
+    lighting = light_from_probe(picture, suns=2)
+    np.testing.assert_allclose(whole(lighting), np.einsum("rcd,rc->d", picture, solid), rtol=1e-6)
+    for sun in lighting.suns:
+        assert np.dot(sun.direction, directions[0, -1]) > np.cos(np.pi / shape[0])
+
+
 def test_large_probe_is_reduced():
     """By a whole number, with the same suns and sky; one that cannot be is not."""
     for shape in ((768, 1536), (509, 1018)):

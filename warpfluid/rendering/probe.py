@@ -15,6 +15,7 @@ MOST_SUNS = 3
 SUN_DEG = 10.0  # radius of what is one light; the ring to twice this tells how bright its surroundings are
 FAINTEST_SUN = 0.03  # of all light; fainter ones stay in the harmonics
 WIDE_ENOUGH = 512  # columns; a wider probe is reduced
+HIGH_ENOUGH = 48  # rows; with fewer a light and its ring would have no pixel
 SEARCH = (32, 64)  # rows and columns in which lights are looked for
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
@@ -70,7 +71,7 @@ def light_from_probe(
         raise ValueError(f"suns is {suns}, expected 0 to {MOST_SUNS}")
     if not (np.isfinite(rotation_deg) and np.isfinite(exposure)):
         raise ValueError(f"rotation_deg is {rotation_deg} and exposure {exposure}, expected finite numbers")
-    picture = _reduce(np.broadcast_to(picture, (*picture.shape[:2], 3))) * 2.0**exposure
+    picture = _enlarge(_reduce(np.broadcast_to(picture, (*picture.shape[:2], 3)))) * 2.0**exposure
     directions, solid_angles = sphere(picture.shape[:2])
     directions = directions @ _turn(rotation_deg).T
     found = []
@@ -118,6 +119,12 @@ def _reduce(picture: np.ndarray) -> np.ndarray:
     light = (picture * solid_angles[..., None].astype(np.float32)).reshape(rows // factor, factor, -1, factor, 3)
     _, reduced = sphere((rows // factor, 1))
     return light.sum(axis=(1, 3), dtype=np.float64) / (factor * reduced[..., None])
+
+
+def _enlarge(picture: np.ndarray) -> np.ndarray:
+    """Return a small probe with more pixels of the same radiance."""
+    factor = -(-HIGH_ENOUGH // picture.shape[0])
+    return picture.repeat(factor, axis=0).repeat(factor, axis=1) if factor > 1 else picture
 
 
 def _take_brightest(picture: np.ndarray, directions: np.ndarray, solid_angles: np.ndarray) -> Sun | None:
