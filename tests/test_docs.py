@@ -1,5 +1,6 @@
 """The documents say what is true: links, commands, options, defaults, names and the README's Python."""
 
+import ast
 import re
 import shlex
 from dataclasses import asdict, fields
@@ -28,7 +29,7 @@ from warpfluid.options.scene import parse_thing
 from warpfluid.presets import preset_names
 
 ROOT = Path(__file__).parents[1]
-PAGES = {str(path.relative_to(ROOT)): path for path in [*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")]}
+PAGES = {str(path.relative_to(ROOT)): path for path in [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")]}
 SECTIONS = {
     InputOptions: "### Footage",
     ReconstructOptions: "### Method",
@@ -73,7 +74,8 @@ def flags(command: str) -> set[str]:
 
 
 SCENE = (ROOT / "warpfluid" / "exporting" / "blender_scene.py").read_text("utf-8")
-OTHERS = {"--python", *re.findall(r'add_argument\("(--[\w-]+)"', SCENE)}  # of Blender, and of our script in it
+OTHERS = {"--python", "--upgrade", "--force-reinstall"}  # of Blender and pip
+OTHERS |= set(re.findall(r'add_argument\("(--[\w-]+)"', SCENE))  # of our script in Blender
 ALL_FLAGS = set().union(*map(flags, COMMANDS))
 
 
@@ -102,8 +104,37 @@ def test_links_lead_somewhere(page):
 
 def test_every_page_is_in_the_index():
     """Whoever starts at the index finds all pages."""
-    index = PAGES["docs/index.md"].read_text("utf-8")
-    assert all(f"({path.name})" in index for path in (ROOT / "docs").glob("*.md") if path.name != "index.md")
+    seen, found = set(), {ROOT / "docs" / "index.md"}
+    while found:
+        page = found.pop()
+        seen.add(page)
+        links = re.findall(r"\]\(([^)\s#:]+\.md)[)#]", page.read_text("utf-8"))
+        found |= {(page.parent / link).resolve() for link in links} - seen
+    assert {path for path in PAGES.values() if path.is_relative_to(ROOT / "docs")} <= seen
+
+
+def test_messages_in_troubleshooting_are_ours():
+    """Each message and hint that the page explains is written somewhere in the package, word for word."""
+    page = PAGES["docs/troubleshooting.md"].read_text("utf-8")
+    tables = re.findall(r"^\| (?:message|hint) \|.*\n\| ---.*\n((?:\|.*\n)+)", page, re.MULTILINE)
+    rows = [row.split(" | ")[0] for table in tables for row in table.splitlines()]
+    told = [message for row in rows for message in re.findall("`(.+?)`", row)]
+    assert len(told) > 60
+    texts = "\n".join(texts_of(path) for path in (ROOT / "warpfluid").rglob("*.py"))
+    foreign = ("Unknown option", "command not found")  # of the command line's parser, and of the shell
+    parts = {part.strip() for message in told if message not in foreign for part in message.split("...")}
+    assert [part for part in parts if part not in texts] == []
+
+
+def texts_of(path: Path) -> str:
+    """Return the texts in a source file, with what is filled into them left out."""
+    texts = []
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        if isinstance(node, ast.JoinedStr):
+            texts.append("\0".join(part.value if isinstance(part, ast.Constant) else "" for part in node.values))
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            texts.append(node.value)
+    return "\n".join(texts)
 
 
 @pytest.mark.parametrize(("page", "line"), command_lines())
