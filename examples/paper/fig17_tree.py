@@ -14,6 +14,7 @@ from trees import tree, trunk_contrast
 
 ANGLES = np.arange(0, 91, 5)
 BESIDE = (5, 10, 15, 20, 45)
+FAR = (ANGLES >= 20) & (ANGLES <= 70)
 
 # %%
 # Front and side of a tree that is known from all sides.
@@ -30,17 +31,20 @@ ways = {
 made = {name: model(views, method, **changes) for name, (method, changes) in ways.items()}
 
 # %%
-# Contrast of the trunk with what is beside it, over the truth's.
+# Contrast of the trunk with what is beside it, over the truth's; and the share of the heights at which it is gone, with
+# less than a third of the truth's contrast, between 20 and 70 degrees.
 
 real = trunk_contrast(project(true, ANGLES), ANGLES)
 curves = {name: trunk_contrast(project(found["volume"], ANGLES), ANGLES) for name, found in made.items()}
 rows = {}
 for name, curve in curves.items():
-    shares = {f"trunk at {angle}": float((curve / real)[ANGLES == angle][0]) for angle in BESIDE}
+    share = curve.mean(axis=1) / real.mean(axis=1)
+    shares = {f"trunk at {angle}": float(share[list(ANGLES).index(angle)]) for angle in BESIDE}
+    shares["gone"] = float((curve < real / 3)[FAR].mean())
     rows[name] = shares | score(made[name]["volume"], true, (0, 90)) | {"seconds": float(made[name]["seconds"])}
 rows[f"truth, {FLOOR_DEG} degrees aside"] = floor(true, (0, 90))
 tell("fig17", rows)
 
 save("fig17", show({name: found["volume"] for name, found in made.items()} | {"truth": true}, (0, 5, 10, 20, 45)))
-lines = {name: (ANGLES, curve) for name, curve in (curves | {"truth": real}).items()}
+lines = {name: (ANGLES, curve.mean(axis=1)) for name, curve in (curves | {"truth": real}).items()}
 save("fig17_contrast", plot(lines, "contrast of the trunk by angle [degree]"))

@@ -60,8 +60,8 @@ def trunk_contrast(views: np.ndarray, angles_deg: Sequence[float]) -> np.ndarray
         angles_deg: Their angles.
 
     Returns:
-        For each view the difference of the light on the trunk and beside it over the sum, as a mean over heights
-        inside of the crown: 1 for a trunk before black, 0 where there is none.
+        The difference of the light on the trunk and beside it over the sum, for each view and height inside of the
+        crown, shape (angle, height): 1 for a trunk before black, 0 where there is none.
     """
     _, width, height = views.shape
     path, radius = trunk(width, height), trunk_radius(width)
@@ -72,7 +72,7 @@ def trunk_contrast(views: np.ndarray, angles_deg: Sequence[float]) -> np.ndarray
         apart = np.abs(pixels[:, None] - (x * np.cos(angle) + z * np.sin(angle) + (width - 1) / 2))
         on, beside = apart <= max(radius, 1), (apart > 2 * radius + 0.5) & (apart <= 2 * radius + 3.5)
         light = [np.where(part, image[:, rows], 0).sum(axis=0) / part.sum(axis=0) for part in (on, beside)]
-        found.append(np.mean((light[0] - light[1]) / np.maximum(light[0] + light[1], 1e-6)))
+        found.append((light[0] - light[1]) / np.maximum(light[0] + light[1], 1e-6))
     return np.array(found)
 
 
