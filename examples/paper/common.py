@@ -111,12 +111,26 @@ def pictures(volume: np.ndarray, angles_deg: Sequence[float]) -> list[np.ndarray
     return [image.T[::-1] for image in project(volume, angles_deg)]
 
 
-def score(volume: np.ndarray, truth: np.ndarray, inputs_deg: Sequence[float], unseen_deg=BETWEEN) -> dict[str, float]:
-    """Return the distance of unseen views from the true ones, how woven the volume is, and how exact at its inputs."""
+def score(
+    volume: np.ndarray, truth: np.ndarray, inputs_deg: Sequence[float], unseen_deg=BETWEEN, *, given_deg=None
+) -> dict[str, float]:
+    """Measure a volume against the truth.
+
+    Args:
+        volume: Shape (x, z, y).
+        truth: The true one.
+        inputs_deg: Angles along which it may be woven.
+        unseen_deg: Angles of views that are compared with the true ones.
+        given_deg: Angles of the inputs, where they are fewer.
+
+    Returns:
+        Mean distances of unseen views, the grid index, PSNR of the inputs [dB], relative error of the volume.
+    """
+    given_deg = inputs_deg if given_deg is None else given_deg
     pairs = zip(pictures(volume, unseen_deg), pictures(truth, unseen_deg), strict=True)
     row = _means([compare_pictures(made, true) for made, true in pairs])
     row["grid_index"] = grid_index(volume, inputs_deg)
-    given = zip(project(volume, inputs_deg), project(truth, inputs_deg), strict=True)
+    given = zip(project(volume, given_deg), project(truth, given_deg), strict=True)
     row["input_psnr"] = float(np.mean([psnr(made, true) for made, true in given]))
     row["volume_error"] = float(np.sqrt(((volume - truth) ** 2).mean() / (truth**2).mean()))
     return row

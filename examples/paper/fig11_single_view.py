@@ -28,7 +28,7 @@ for kind in list(KINDS)[: 1 if arguments().scale == 0 else 4]:
     views = views_of(true, (0,))
     volumes = {name: model(views, name)["volume"] for name in SYSTEMS}
     for name, volume in volumes.items():
-        rows[f"{kind}: {name}"] = score(volume, true, (0, 90)) | {"symmetry": symmetry(volume)}
+        rows[f"{kind}: {name}"] = score(volume, true, (0, 90), given_deg=(0,)) | {"symmetry": symmetry(volume)}
     rows[f"{kind}: truth, 10 degrees aside"] = floor(true, (0, 90))
     save(f"fig11_{kind}", show(volumes | {"truth": true}, ANGLES, slices=3))
 tell("fig11", rows)

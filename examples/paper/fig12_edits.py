@@ -6,19 +6,18 @@ An explosion from a single view, simulated as it is (a), with turbulence (b), an
 body that the blast carries off. Turbulence adds curls and leaves the large shapes where they are.
 """
 
-import json
-
 import numpy as np
 from common import arguments, pick, save, tell
 from gallery import captioned, in_a_row, stack
 from scipy.ndimage import gaussian_filter
 from sequences import footage, picture, run
 
+from warpfluid.files.bodies import read_bodies
 from warpfluid.volumes import open_volumes
 
-FIRST, LAST = 3, pick(5, 14, 30)
+FIRST, LAST = 3, pick(5, 18, 30)
 FRAMES = tuple(range(FIRST, LAST + 1))
-CAR = "box center=1.5,0.36,0.4 size=1.5,0.7,0.7 rotation=0,25,0 weight=0.5"
+CAR = "box center=0.7,0.5,0.7 size=1.3,0.6,0.6 rotation=0,25,0 weight=0.15 carry=40 obstacle=false"
 EDITS = {
     "a, as it is": "--fidelity 0.3",
     "b, turbulence": "--fidelity 0.3 --turbulence-strength 4 --turbulence-frequency 1",
@@ -33,8 +32,8 @@ made = run("explosion", f"reconstruct {footage('explosion', FRAMES, (0,))} {smal
 runs = {name: run(f"explosion-{name[0]}", f"simulate {made.folder} {words}") for name, words in EDITS.items()}
 
 
-def enstrophy(folder: str) -> float:
-    """Return the mean squared rotation of the last frame's velocity, where there is fluid."""
+def rotation(folder: str) -> float:
+    """Return the rms vorticity of the last frame, where there is fluid [1/s]."""
     found = open_volumes(folder).fields(LAST, ["density", "velocity"])
     u, w, v = (found["velocity"][..., k] for k in range(3))  # along x, z, y
     turn = [
@@ -43,7 +42,7 @@ def enstrophy(folder: str) -> float:
         np.gradient(w, axis=0) - np.gradient(u, axis=1),
     ]
     lit = found["density"] > 0.01 * found["density"].max()
-    return float(sum(part[lit] ** 2 for part in turn).mean())
+    return float(np.sqrt(sum(part[lit] ** 2 for part in turn).mean()))
 
 
 # %%
@@ -55,9 +54,11 @@ for name, edited in runs.items():
     pair = [found.volume(LAST) for found in (plain, edited)]
     smooth = [gaussian_filter(volume, pair[0].shape[0] / 16) for volume in pair]
     change = [float(np.abs(b - a).sum() / a.sum()) for a, b in (pair, smooth)]
-    rows[name] = {"enstrophy": enstrophy(str(edited.folder)) / enstrophy(str(plain.folder))}
+    rows[name] = {"vorticity [1/s]": rotation(str(edited.folder))}
     rows[name] |= {"density changes by": change[0], "smoothed": change[1]}
-path = json.loads((runs["c, a car"].folder / "bodies.json").read_text("utf-8"))
+_, cars = read_bodies(runs["c, a car"].folder / "bodies.json")
+first, last = (cars[frame][0]["position"] for frame in (FIRST, LAST))
+rows["c, a car"]["car moved by [box height]"] = float(np.linalg.norm(last - first)) / (pair[0].shape[2] * 0.01)
 tell("fig12", rows)
 
 # %%

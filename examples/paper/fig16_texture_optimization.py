@@ -34,7 +34,7 @@ def density(volume: np.ndarray) -> float:
 rows = {}
 for name, found in made.items():
     after_m, after_e = found["energies"].T
-    rows[name] = score(found["volume"], true, (0, 90)) | {
+    rows[name] = score(found["volume"], true, (0, 90), given_deg=(0,)) | {
         "filled": density(found["volume"]),
         "energy, last/first": after_e[-1] / after_m[0],
         "rises": int((np.diff(after_e) > 0).sum()),
