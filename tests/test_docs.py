@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from warpfluid.cli import app
+from warpfluid.cli.examples import EXAMPLES
 from warpfluid.options import (
     SIMULATE_PAPER,
     THINGS,
@@ -149,6 +150,18 @@ def test_command_lines_parse(page, line):
     for kind in THINGS:
         for text in bound.arguments.get(kind) or ():
             parse_thing(kind, text)
+
+
+@pytest.mark.parametrize(("command", "line"), EXAMPLES.items())
+def test_examples_of_the_help_parse(command, line):
+    """Each command's help ends with an example of it that is taken."""
+    assert line.split()[:2] == ["warpfluid", command]
+    app.parse_args(shlex.split(line)[1:], exit_on_error=False, print_error=False)
+
+
+def test_every_command_has_an_example():
+    """The list that orders them is complete."""
+    assert sorted(EXAMPLES) == sorted(COMMANDS)
 
 
 def test_commands_are_shown():

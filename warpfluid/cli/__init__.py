@@ -2,6 +2,9 @@
 
 from warpfluid.cli import compare, demo, doctor, export, flow, inspect, preview, reconstruct, render, simulate
 from warpfluid.cli.app import app, main
+from warpfluid.cli.examples import show_examples
+
+show_examples(app)
 
 __all__ = [
     "app",

@@ -8,15 +8,25 @@ import sys
 import traceback
 
 import cyclopts
-from cyclopts import App
+from cyclopts import App, Parameter
 
 from warpfluid import __version__
 from warpfluid.errors import describe
 
+
+def spell(value: object) -> str | None:
+    """Return a default as the help shows it; None, for nothing, where there is none."""
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    return f"{value:g}" if isinstance(value, float) else None if value is None else str(value)
+
+
 app = App(
     name="warpfluid",
     help="Volumes of fire, smoke, explosions and splashes from one or a few videos.",
+    help_epilogue="Begin with warpfluid demo, or with warpfluid inspect --front clip.mp4.",
     version=__version__,
+    default_parameter=Parameter(show_default=lambda value: spell(value or None)),
     suppress_keyboard_interrupt=False,
 )
 

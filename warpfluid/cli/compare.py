@@ -17,7 +17,9 @@ NO_CHOICES = get_args(CompareFlags)[0]()
 @app.command
 def compare(
     *results: Annotated[str, Parameter(help="Runs, or volumes: a folder, pattern or file, .vdb, .nvdb, .vti or .npz")],
-    truth: Annotated[str | None, Parameter(help="The true volumes, or a run that counts as true")] = None,
+    truth: Annotated[
+        str | None, Parameter(help="The true volumes, or a run that counts as true", metavar="VOLUMES")
+    ] = None,
     out: Annotated[
         list[Path] | None,
         Parameter(name=["--out", "-o"], negative=(), help="Film (.mp4, .webp, .gif) or sheet (.png); once for each"),

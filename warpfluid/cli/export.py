@@ -18,7 +18,7 @@ NO_CHOICES = get_args(ExportFlags)[0]()
 def export(
     source: Annotated[str, Parameter(help="A run, or volumes: a folder, pattern or file, .vdb, .nvdb, .vti or .npz")],
     *,
-    out: Annotated[Path | None, Parameter(name=["--out", "-o"], help="Folder to write to")] = None,
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"], help="Folder to write to; needed")] = None,
     resume: Annotated[bool, Parameter(negative=(), help="Continue an export: frames that are there are kept")] = False,
     overwrite: Annotated[bool, Parameter(negative=(), help="Replace an earlier export in the folder")] = False,
     choices: ExportFlags = NO_CHOICES,

@@ -6,6 +6,7 @@ from typing import Annotated, get_args, get_type_hints
 
 from cyclopts import Group, Parameter
 
+from warpfluid.cli.app import spell
 from warpfluid.options import InputOptions, OutputOptions, ReconstructOptions, SimulateOptions
 from warpfluid.options.checks import VECTORS
 
@@ -23,17 +24,29 @@ def make_flags(options: type, title: str, order: int) -> type:
     hints, made = get_type_hints(options, include_extras=True), []
     for option in fields(options):
         kind, text = get_args(hints[option.name])[:2]
-        default = False if option.default is None else lambda _, value=option.default: value
+        default = False if option.default is None else lambda _, value=option.default: spell(value)
         convert = _whole_number if int in (kind, *get_args(kind)) else None
-        vector = option.name in VECTORS  # -1,0,0 looks like a flag
+        vector = option.name in VECTORS or option.name.startswith("view_")  # -1,0,0 and -60=2 look like flags
         flag = Annotated[
             kind | None,
-            Parameter(help=text, show_default=default, converter=convert, allow_leading_hyphen=vector),
+            Parameter(
+                help=text,
+                show_default=default,
+                converter=convert,
+                allow_leading_hyphen=vector,
+                metavar=metavar(kind),
+            ),
         ]
         made.append((option.name, flag, field(default=None)))
     flags = make_dataclass(f"{options.__name__}Flags", made, frozen=True, kw_only=True)
     flags.__module__ = __name__  # without a module of ours cyclopts takes it for one opaque value
     return Annotated[flags, Parameter(name="*", group=Group(title, sort_key=order))]
+
+
+def metavar(kind: type) -> str | None:
+    """Return what stands for a flag's value in the help; None where that is plain."""
+    kinds = {kind, *get_args(kind)}
+    return next((name for each, name in ((float, "X"), (int, "N"), (str, "TEXT")) if each in kinds), None)
 
 
 InputFlags = make_flags(InputOptions, "Footage", 1)
@@ -44,21 +57,32 @@ NO_INPUT, NO_METHOD, NO_SIMULATION, NO_OUTPUT = (
     get_args(flags)[0]() for flags in (InputFlags, MethodFlags, SimulateFlags, OutputFlags)
 )
 
-FrontFlag = Annotated[str | None, Parameter(help="Footage of the front: the same as --view 0=FOOTAGE")]
+FrontFlag = Annotated[
+    str | None, Parameter(help="Footage of the front: the same as --view 0=FOOTAGE", metavar="FOOTAGE")
+]
 SideFlag = Annotated[
     str | None,
-    Parameter(help="Footage of a camera left of the front one, at a right angle: the same as --view 90=FOOTAGE"),
+    Parameter(
+        help="Footage of a camera left of the front one, at a right angle: the same as --view 90=FOOTAGE",
+        metavar="FOOTAGE",
+    ),
 ]
 PaperFlag = Annotated[bool, Parameter(negative=(), help="Make the paper's choices; other flags count on top")]
-ConfigFlag = Annotated[Path | None, Parameter(help="Take options from a run.toml; flags count on top")]
+ConfigFlag = Annotated[Path | None, Parameter(help="Take options from a run.toml; flags count on top", metavar="FILE")]
 ViewFlag = Annotated[
     list[str] | None,
     Parameter(
         name=["--view"],
         allow_leading_hyphen=True,
         negative=(),
-        help="A view, ANGLE=FOOTAGE: a video, a folder, or a pattern such as front.####.png; once for every view",
+        metavar="ANGLE=FOOTAGE",
+        help="A view: its angle, and a video, a folder, or a pattern such as front.####.png; once for every view",
     ),
+]
+
+JobsFlag = Annotated[
+    str,
+    Parameter(help="Processes that work side by side: a number, or auto for one a core or a GPU", metavar="N"),
 ]
 
 
@@ -67,7 +91,9 @@ ViewFlag = Annotated[
 class Common:
     """What most commands take."""
 
-    device: Annotated[str, Parameter(help="cpu, cuda:N, or auto: the first GPU if there is one")] = "auto"
+    device: Annotated[str, Parameter(help="cpu, cuda:N, or auto: the first GPU if there is one", metavar="NAME")] = (
+        "auto"
+    )
     json: Annotated[bool, Parameter(negative=(), help="Print the result as one JSON document")] = False
     quiet: Annotated[bool, Parameter(name=["--quiet", "-q"], negative=(), help="Print nothing but the result")] = False
     verbose: Annotated[bool, Parameter(name=["--verbose", "-v"], negative=(), help="Show errors whole")] = False

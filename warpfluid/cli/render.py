@@ -23,7 +23,7 @@ def render(
     *,
     out: Annotated[
         Path | None,
-        Parameter(name=["--out", "-o"], help="A film (.mp4, .webp, .gif), a picture, or name.####.exr or .png"),
+        Parameter(name=["--out", "-o"], help="A film (.mp4, .webp, .gif), a picture, or name.####.exr or .png; needed"),
     ] = None,
     resume: Annotated[bool, Parameter(negative=(), help="Keep the numbered pictures that are there")] = False,
     overwrite: Annotated[bool, Parameter(negative=(), help="Replace what is there")] = False,

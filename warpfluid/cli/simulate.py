@@ -20,7 +20,7 @@ from warpfluid.cli.flags import (
 
 def _things(kind: str, text: str) -> type:
     """Make the flag that puts things of a kind into the box."""
-    return Annotated[list[str] | None, Parameter(name=[f"--{kind}"], negative=(), help=text)]
+    return Annotated[list[str] | None, Parameter(name=[f"--{kind}"], negative=(), help=text, metavar="THING")]
 
 
 @app.command
@@ -29,9 +29,13 @@ def simulate(
         str | None, Parameter(help="A run, or volumes: a folder, pattern or file, .vdb, .nvdb, .vti or .npz")
     ] = None,
     *,
-    out: Annotated[Path | None, Parameter(name=["--out", "-o"], help="Folder of the new run")] = None,
-    preset: Annotated[str | None, Parameter(help="fire, smoke, explosion or splash; see presets")] = None,
-    size: Annotated[str | None, Parameter(help="Voxels of an empty box, WIDTHxHEIGHT; 96x144 by default")] = None,
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"], help="Folder of the new run; needed")] = None,
+    preset: Annotated[
+        str | None, Parameter(help="fire, smoke, explosion or splash; see presets", metavar="NAME")
+    ] = None,
+    size: Annotated[
+        str | None, Parameter(help="Voxels of an empty box, 96x144 by default", metavar="WIDTHxHEIGHT")
+    ] = None,
     emitter: _things("emitter", "An emitter: 'sphere center=0,1,0 radius=0.5 density=4'; once for each") = None,
     obstacle: _things("obstacle", "An obstacle: 'box center=0,4,0 size=2,0.5,2'; once for each") = None,
     force: _things("force", "A force: 'vortex center=0,3,0 strength=20'; once for each") = None,

@@ -17,10 +17,10 @@ class ExportOptions:
     ] = "vdb"
     frames: Annotated[str | None, "Frames to write, such as 1001-1024; all by default"] = None
     grids: Annotated[str | None, "Grids to write, such as density,velocity; all by default"] = None
-    grid: Annotated[str | None, "Grid of foreign files that is the density; density, or the only one, by default"] = (
-        None
-    )
-    source_up: Annotated[Literal["y", "z"], "Axis that points up in foreign files that do not tell"] = "y"
+    grid: Annotated[
+        str | None, "Grid of other programs' files to take as density; density, or the only one, by default"
+    ] = None
+    source_up: Annotated[Literal["y", "z"], "Axis that points up in other programs' files that do not tell"] = "y"
     up: Annotated[Literal["y", "z"], "Axis that points up in the files: y for Houdini and Maya, z for Blender"] = "y"
     velocity_name: Annotated[str, "Name of the velocity in the files: velocity for Blender, vel for Houdini"] = (
         "velocity"

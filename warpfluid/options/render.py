@@ -92,10 +92,10 @@ class RenderOptions:
     ] = None
     edge_fade: Annotated[float, "Width over which the fluid fades at the box's sides [voxel]"] = 0.0
     frames: Annotated[str | None, "Frames to show, such as 1001-1048; all by default"] = None
-    grid: Annotated[str | None, "Grid of foreign files that is the density; density, or the only one, by default"] = (
-        None
-    )
-    source_up: Annotated[Literal["y", "z"], "Axis that points up in foreign files that do not tell"] = "y"
+    grid: Annotated[
+        str | None, "Grid of other programs' files to take as density; density, or the only one, by default"
+    ] = None
+    source_up: Annotated[Literal["y", "z"], "Axis that points up in other programs' files that do not tell"] = "y"
     resolution: Annotated[str | None, "Picture's WIDTHxHEIGHT; the box at 720 lines by default"] = None
     exposure: Annotated[float | str, "Stops by which the picture is made brighter"] = 0.0
     rolloff: Annotated[float, "Light above which brightness is bent so that it stays below white; 1 cuts it off"] = 0.6
