@@ -17,7 +17,7 @@ LAYERS = [
     {"reconstruction", "rendering", "simulation"},
     {
         "report", "preview", "commands", "comparing", "comparison", "picturing", "simulating", "outcome",
-        "progress", "doctor", "explaining", "exporting",
+        "progress", "doctor", "explaining", "exporting", "reconstructing", "cluster",
     },
     {"cli"},
 ]

@@ -4,6 +4,7 @@ import dataclasses
 import json
 from pathlib import Path
 
+from warpfluid.cluster.pools import Asked
 from warpfluid.errors import Problems
 from warpfluid.files.sequences import format_frames
 from warpfluid.footage.estimate import check_memory
@@ -11,18 +12,27 @@ from warpfluid.footage.inspection import Inspection, inspect_shot, write_views_p
 from warpfluid.footage.shot import Shot, open_shot
 from warpfluid.outcome import conclude, do_all
 from warpfluid.progress import Progress
+from warpfluid.reconstructing import Work, reconstruct_frames
 from warpfluid.run import FILM, PAGE, Run
 from warpfluid.settings import Settings, make_settings
 
 
 def reconstruct(
-    settings: Settings, out: Path, *, resume: bool, overwrite: bool, common, debug_dir: Path | None = None
+    settings: Settings,
+    out: Path,
+    *,
+    resume: bool,
+    overwrite: bool,
+    common,
+    debug_dir: Path | None = None,
+    jobs: str = "1",
 ) -> int:
     """Reconstruct a shot into a folder, and every iteration's pictures into another; return the exit code."""
     from warpfluid.device import pick_device
 
     log, run, problems = Progress(quiet=common.quiet), Run(out), Problems()
     problems.attempt(lambda: run.check_free(resume=resume, overwrite=overwrite))
+    asked = problems.attempt(lambda: Asked(jobs=jobs, device=common.device))
     device = problems.attempt(pick_device, common.device)
     shot = problems.attempt(open_shot, settings.views, settings.input)
     problems.raise_if_any()
@@ -40,8 +50,10 @@ def reconstruct(
     frames = [frame for frame in shot.frames if frame not in done]
     if len(frames) < len(shot.frames):
         log.line(f"resume  {len(shot.frames) - len(frames)} of {len(shot.frames)} frames are there")
-    failed = _reconstruct(run, shot, settings, frames, device, log, debug_dir)
-    failed |= _summarize(run, shot, settings, inspection, device, log)
+    facts = {"need": inspection.memory_bytes, "debug_dir": debug_dir}
+    work = Work(run=run, shot=shot, settings=settings, frames=frames, done=tuple(done), **facts)
+    reconstruct_frames(work, asked, device, log)
+    failed = work.failed | _summarize(run, shot, settings, inspection, device, log)
     return conclude(run, shot.frames, failed, as_json=common.json)
 
 
@@ -110,30 +122,6 @@ def _check_lengths(shot: Shot, settings: Settings) -> None:
         found = ", ".join(f"{source.name} has {format_frames(source.frames)}" for source in shot.sources)
         way_out = f"--frames {format_frames(shot.frames)} uses what all of them have"
         raise ValueError(f"the views have unequal frames ({found}): {way_out}")
-
-
-def _reconstruct(
-    run: Run, shot: Shot, settings: Settings, frames: list[int], device, log: Progress, debug_dir: Path | None
-) -> dict[str, str]:
-    """Reconstruct frames; return what failed."""
-    from warpfluid.reconstruction.sequence import reconstruct_frames
-    from warpfluid.reconstruction.systems import round_count
-    from warpfluid.report.panels import panel_writer
-
-    failed, count = {}, 0
-    observer = panel_writer(debug_dir, settings.output.look) if debug_dir else None
-    try:
-        with log.frames(frames, round_count(settings.reconstruct)) as bar:
-            watched = {"progress": bar.iteration, "observer": observer}
-            for record in reconstruct_frames(shot, settings, run, device=device, frames=frames, **watched):
-                if "error" in record:
-                    failed[f"frame {record['frame']}"] = record["error"]
-                count += 1
-                bar.finished(record)
-    except KeyboardInterrupt as stop:
-        there = f"stopped after {count} of {len(frames)} frames"
-        raise KeyboardInterrupt(f"{there}; to continue: warpfluid reconstruct -o {run.folder} --resume") from stop
-    return failed
 
 
 def _summarize(

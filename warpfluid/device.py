@@ -1,13 +1,17 @@
 """Starting Warp and choosing where to compute."""
 
+import atexit
 import contextlib
 import functools
 import os
+import shutil
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import warp as wp
+
+KERNEL_BYTES = 1 << 18  # more than a compiled module of kernels has
 
 
 def pick_device(name: str | wp.Device | None = None) -> wp.Device:
@@ -29,6 +33,18 @@ def pick_device(name: str | wp.Device | None = None) -> wp.Device:
         raise ValueError(f"there is no device {name!r}: this machine has {there_are}; use --device auto") from error
 
 
+def gpus() -> list[wp.Device]:
+    """Return the GPUs there are."""
+    start_warp()
+    return list(wp.get_cuda_devices())
+
+
+def compile_kernels(devices: Iterable[wp.Device]) -> str:
+    """Compile what is imported, so that processes started later find it; return the folder where it lies."""
+    wp.force_load(list({device.arch if device.is_cuda else "cpu": device for device in devices}.values()))
+    return wp.config.kernel_cache_dir
+
+
 @functools.cache
 def start_warp() -> None:
     """Start Warp once, without its banner and without a warning where there is no GPU."""
@@ -36,10 +52,20 @@ def start_warp() -> None:
     wp.config.enable_tiles_in_stack_memory = False  # kernels of all threads would share the pointer to it
     with _without_driver_warning():
         wp.init()
-    with contextlib.suppress(OSError):
-        os.makedirs(wp.config.kernel_cache_dir, exist_ok=True)
-    if not os.access(wp.config.kernel_cache_dir, os.W_OK):
+    if not _can_keep_kernels(wp.config.kernel_cache_dir):
         wp.config.kernel_cache_dir = tempfile.mkdtemp(prefix="warpfluid-kernels-")
+        atexit.register(shutil.rmtree, wp.config.kernel_cache_dir, ignore_errors=True)
+
+
+def _can_keep_kernels(folder: str) -> bool:
+    """Return whether compiled kernels can be written; a full disk tells only when something is."""
+    try:
+        os.makedirs(folder, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder) as file:
+            file.write(bytes(KERNEL_BYTES))
+    except OSError:
+        return False
+    return True
 
 
 @contextlib.contextmanager

@@ -6,6 +6,10 @@ import os
 MOST_LINES = 20  # of one error; a thousand damaged frames need no thousand lines
 
 
+class CannotWriteError(OSError):
+    """What is made cannot be written: the disk is full, the folder is gone or protected."""
+
+
 class Problems(list):
     """Everything that is wrong with an input, so that one error can tell all of it."""
 

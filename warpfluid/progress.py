@@ -50,19 +50,22 @@ class FrameBar:
 
     def __init__(self, progress: Progress, bar: Bar, task, frames: list[int], iterations: int):
         self._progress, self._bar, self._task = progress, bar, task
-        self._frames, self._iterations = frames, iterations
+        self._left, self._iterations = len(frames), iterations
+        self._under_way: dict[int, int] = {}  # iterations by frame: several may be made at once
         self._begin, self._count = time.perf_counter(), 0
 
     def iteration(self, frame: int, iteration: int, energy: float) -> None:
         """Note that an iteration of a frame is done."""
-        done = self._frames.index(frame) * self._iterations + iteration
-        self._bar.update(self._task, completed=done, description=f"frame {frame}  energy {energy:.3g}")
+        self._under_way[frame] = min(iteration, self._iterations)
+        self._show(description=f"frame {frame}  energy {energy:.3g}")
 
     def finished(self, record: dict) -> None:
         """Note that a frame is done, or failed, and say how long the others will take."""
         self._count += 1
-        left = (time.perf_counter() - self._begin) / self._count * (len(self._frames) - self._count)
-        self._bar.update(self._task, completed=self._count * self._iterations)
+        self._left -= 1
+        left = (time.perf_counter() - self._begin) / self._count * self._left
+        self._under_way.pop(record["frame"], None)
+        self._show()
         if "error" in record:
             self._progress.line(f"frame   {record['frame']} failed: {record['error']}")
             return
@@ -73,3 +76,7 @@ class FrameBar:
             f"frame   {record['frame']}  {record['seconds']:.1f} s, {falls}inputs {exact:.1f} dB, "
             f"{record['file']}" + (f", {format_duration(left)} left" if left else "")
         )
+
+    def _show(self, **what) -> None:
+        done = self._count * self._iterations + sum(self._under_way.values())
+        self._bar.update(self._task, completed=done, **what)

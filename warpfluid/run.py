@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from warpfluid import __version__
-from warpfluid.errors import describe
+from warpfluid.errors import CannotWriteError, describe
 from warpfluid.files.atomic import replacing
 from warpfluid.files.vdb import layout, lost_mass, read_vdb, write_vdb
 from warpfluid.options import OutputOptions
@@ -139,7 +139,21 @@ class Run:
         *,
         more: Mapping[str, np.ndarray] | None = None,
     ) -> dict:
-        """Write a frame's volume, then its record.
+        """Write a frame's volume, then its record; see ``write_volume``."""
+        record = self.write_volume(frame, density, output, record, more=more)
+        self.add_record(record)
+        return record
+
+    def write_volume(
+        self,
+        frame: int,
+        density: np.ndarray,
+        output: OutputOptions,
+        record: dict,
+        *,
+        more: Mapping[str, np.ndarray] | None = None,
+    ) -> dict:
+        """Write a frame's volume; it counts as made once its record is added.
 
         Args:
             frame: Its number.
@@ -152,8 +166,8 @@ class Run:
             The whole record.
 
         Raises:
-            ValueError: If the volume is not finite.
-            OSError: If a file cannot be written.
+            ValueError: If the volume is not finite, or the record holds what JSON lacks.
+            CannotWriteError: If the file cannot be written.
         """
         if not np.isfinite(density).all():
             raise ValueError(
@@ -162,22 +176,40 @@ class Run:
         path = self.volume_path(frame)
         lost = lost_mass(density, output.drop_below * float(np.abs(density).max()))
         record = {"frame": frame, "file": path.name, **record, "mass_dropped": lost}
-        line = json.dumps(record, allow_nan=False)
+        json.dumps(record, allow_nan=False)
         for left in self.folder.glob(f".{path.name}.*.tmp"):  # of a run that was killed while it wrote this frame
             left.unlink(missing_ok=True)
         kept = stored(density, output)
         size, width, depth = output.voxel_size, density.shape[0], density.shape[1]
-        write_vdb(
-            path,
-            {"density": kept.transpose(0, 2, 1), **{name: grid.swapaxes(1, 2) for name, grid in (more or {}).items()}},
-            voxel_size=size,
-            origin=(-(width - 1) / 2 * size, 0.5 * size, -(depth - 1) / 2 * size),
-            half=output.half,
-            up=output.up,
-            metadata={"frame": frame},
-        )
-        self._append(line)
+        grids = {
+            "density": kept.transpose(0, 2, 1),
+            **{name: grid.swapaxes(1, 2) for name, grid in (more or {}).items()},
+        }
+        place = {"voxel_size": size, "origin": (-(width - 1) / 2 * size, 0.5 * size, -(depth - 1) / 2 * size)}
+        try:
+            write_vdb(path, grids, **place, half=output.half, up=output.up, metadata={"frame": frame})
+        except OSError as error:
+            raise CannotWriteError(error.errno, error.strerror or str(error), str(path)) from error
         return record
+
+    def add_record(self, record: dict) -> None:
+        """Note that a frame is made, on a line of its own even after half a line.
+
+        Raises:
+            CannotWriteError: If the file cannot be written.
+        """
+        path = self.folder / RECORDS
+        try:
+            with path.open("a+b") as file:
+                file.seek(max(file.seek(0, os.SEEK_END) - 1, 0))
+                half = file.read(1) not in (b"", b"\n")
+                file.write(b"\n" * half + json.dumps(record, allow_nan=False).encode() + b"\n")
+                file.flush()
+                os.fsync(file.fileno())
+        except OSError as error:
+            raise CannotWriteError(
+                error.errno, f"cannot write the file: {error.strerror or error}", str(path)
+            ) from error
 
     def _make_folder(self) -> None:
         try:
@@ -207,15 +239,6 @@ class Run:
             with replacing(path) as file:
                 file.write(lines)
         return kept
-
-    def _append(self, line: str) -> None:
-        """Add a line to the records, on a line of its own even after half a line."""
-        with (self.folder / RECORDS).open("a+b") as file:
-            file.seek(max(file.seek(0, os.SEEK_END) - 1, 0))
-            half = file.read(1) not in (b"", b"\n")
-            file.write(b"\n" * half + line.encode() + b"\n")  # in one piece: others may append, too
-            file.flush()
-            os.fsync(file.fileno())
 
 
 def stored(density: np.ndarray, output: OutputOptions) -> np.ndarray:

@@ -15,6 +15,7 @@ from warpfluid.cli.flags import (
     ConfigFlag,
     FrontFlag,
     InputFlags,
+    JobsFlag,
     MethodFlags,
     OutputFlags,
     PaperFlag,
@@ -38,6 +39,7 @@ def reconstruct(
     debug_dir: Annotated[
         Path | None, Parameter(help="Folder for pictures of every iteration of appearance transfer (Fig. 3)")
     ] = None,
+    jobs: JobsFlag = "1",
     footage: InputFlags = NO_INPUT,
     method: MethodFlags = NO_METHOD,
     output: OutputFlags = NO_OUTPUT,
@@ -52,4 +54,5 @@ def reconstruct(
         config = out / "run.toml"  # what is not said again stays as it was
     views = [*(view or []), *named_views(front, side)]
     settings = commands.make_settings(views, footage, method, output, paper=paper, config=config)
-    return commands.reconstruct(settings, out, resume=resume, overwrite=overwrite, common=common, debug_dir=debug_dir)
+    how = {"resume": resume, "overwrite": overwrite, "debug_dir": debug_dir, "jobs": jobs}
+    return commands.reconstruct(settings, out, common=common, **how)

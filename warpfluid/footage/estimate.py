@@ -1,7 +1,9 @@
 """What a reconstruction will cost, before it runs."""
 
+import contextlib
 import os
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -177,6 +179,29 @@ def machine_memory() -> float:
     try:
         return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
     except (AttributeError, OSError, ValueError):  # not on Windows
+        return float("inf")
+
+
+def free_memory() -> float:
+    """Return the memory that is free on this machine and within the limits of its control groups [byte]."""
+    free = machine_memory()
+    with contextlib.suppress(OSError, ValueError, IndexError, StopIteration):
+        lines = Path("/proc/meminfo").read_text("ascii").splitlines()
+        free = float(next(line.split()[1] for line in lines if line.startswith("MemAvailable:"))) * 1024
+    with contextlib.suppress(OSError, ValueError, IndexError, StopIteration):
+        own = Path("/proc/self/cgroup").read_text().splitlines()[-1].split(":", 2)[2].strip("/")
+        for group in (Path(own), *Path(own).parents):
+            free = min(free, _left(Path("/sys/fs/cgroup") / group))
+    return free
+
+
+def _left(group: Path) -> float:
+    """Return what a control group may still take [byte]; files that are kept in memory make room."""
+    try:
+        limit = float((group / "memory.max").read_text())
+        stat = dict(line.split() for line in (group / "memory.stat").read_text().splitlines())
+        return limit - float((group / "memory.current").read_text()) + float(stat.get("inactive_file", 0))
+    except (OSError, ValueError):  # "max", or no such group
         return float("inf")
 
 

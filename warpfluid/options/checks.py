@@ -12,6 +12,8 @@ RANGES = {
     "iterations": (0, 1000),
     "coherent_iterations": (0, 1000),
     "angles": (2, 7200),
+    "piece": (1, 10**6),
+    "overlap": (0, 1000),
     "cg_steps": (1, 1000),
     "lsm_steps": (1, 1000),
     "blur": (0, 20),

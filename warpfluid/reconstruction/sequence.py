@@ -1,94 +1,110 @@
 """Frame after frame: a shot becomes a run on disk."""
 
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
-from warpfluid.errors import describe
 from warpfluid.footage.shot import Shot
 from warpfluid.metrics import psnr
 from warpfluid.reconstruction.coherence import follow
 from warpfluid.reconstruction.em import reconstruct
 from warpfluid.reconstruction.inputs import apply_shoulder
-from warpfluid.reconstruction.result import Observer
+from warpfluid.reconstruction.pieces import FrameTask
+from warpfluid.reconstruction.result import Observer, Reconstruction
 from warpfluid.run import Run, stored
 from warpfluid.settings import Settings
 from warpfluid.views import Views
 
-FARTHEST = 2  # pictures that a frame is carried over; across a wider gap motion cannot be measured
-
 Progress = Callable[[int, int, float], None]
+Before = tuple[int, np.ndarray, Views]
 
 
-def reconstruct_frames(
-    shot: Shot,
-    settings: Settings,
-    run: Run,
-    *,
-    device=None,
-    frames: Iterable[int] | None = None,
-    progress: Progress | None = None,
-    observer: Callable[[int], Observer] | None = None,
-) -> Iterator[dict]:
-    """Reconstruct frames into a run, one after the other, each from the one before where that is coherent.
+@dataclass
+class FrameJob:
+    """Reconstructs frames of a shot into a run; it can be sent to another process.
 
-    Args:
+    Attributes:
         shot: The footage.
         settings: The method and the form of the files; choices left to the footage are made for the whole shot, or
             the frames would flicker (``Inspection.options``).
         run: Where to write; begun already.
-        device: Where to compute.
-        frames: Which frames; all of the shot by default.
-        progress: Called with frame, iteration and energy.
         observer: Called with a frame, returns what its iterations are shown to.
-
-    Yields:
-        The record of every frame; one that failed has the key ``error``.
     """
-    before: tuple[int, np.ndarray, Views] | None = None
-    for frame in shot.frames if frames is None else frames:
-        try:
-            if settings.reconstruct.coherence == "flow":
-                before = _frame_before(shot, run, frame, before)
-            record, volume, views = _reconstruct_frame(shot, settings, run, frame, before, device, progress, observer)
-            before = (frame, volume, views)
-            yield record
-        except Exception as error:  # one frame must not end the run, whichever library gave up
-            yield {"frame": frame, "error": describe(error)}
+
+    shot: Shot
+    settings: Settings
+    run: Run
+    observer: Callable[[int], Observer] | None = None
+    _last: Before | None = None
+
+    def __getstate__(self) -> dict:
+        """Return what another process needs."""
+        return self.__dict__ | {"_last": None}
+
+    def __call__(self, task: FrameTask, device, progress: Progress) -> dict:
+        """Reconstruct a frame and write its volume.
+
+        Args:
+            task: The frame, and what it starts from.
+            device: Where to compute.
+            progress: Called with frame, iteration and energy.
+
+        Returns:
+            Its record, to be added to the run.
+
+        Raises:
+            ValueError: If it cannot be made.
+            OSError: If its pictures cannot be read.
+            CannotWriteError: If its volume cannot be written.
+        """
+        begin = time.perf_counter()
+        before = self._before(task, device)
+        result, views, carried = self._model(task.frame, before, device, progress, self.observer)
+        record = {
+            "carried": carried,
+            "before": before[0] if before else None,
+            **_numbers(result, views, self.settings.reconstruct.shoulder),
+            "seconds": round(time.perf_counter() - begin, 3),
+        }
+        output = self.settings.output
+        record = self.run.write_volume(task.frame, result.volume, output, record)
+        self._last = task.frame, stored(result.volume, output), views
+        return record
+
+    def _before(self, task: FrameTask, device) -> Before | None:
+        """Return number, volume and views of the frame before: of this run, or made to lead up to this one."""
+        if task.before is not None:
+            if self._last is None or self._last[0] != task.before:
+                self._last = task.before, self.run.volume(task.before), self.shot.views(task.before)
+            return self._last
+        before = None
+        for frame in task.lead:
+            result, views, _ = self._model(frame, before, device, None, None)
+            before = frame, stored(result.volume, self.settings.output), views
+        return before
+
+    def _model(
+        self, frame: int, before: Before | None, device, progress, observer
+    ) -> tuple[Reconstruction, Views, bool]:
+        """Return a frame's reconstruction and views, and whether it was carried from the one before."""
+        views, options = self.shot.views(frame), self.settings.reconstruct
+        report = (lambda iteration, energy: progress(frame, iteration, energy)) if progress else None
+        watched = {"progress": report, "observe": observer(frame) if observer else None, "device": device}
+        result = follow(before[1], before[2], views, options, **watched) if before else None
+        if result is not None:
+            return result, views, True
+        return reconstruct(views, options, **watched), views, False
 
 
-def _frame_before(shot: Shot, run: Run, frame: int, latest: tuple | None) -> tuple[int, np.ndarray, Views] | None:
-    """Return number, volume and views of the frame before, from this run or from an earlier part of it."""
-    done = run.records()
-    wanted = max((number for number in {*shot.frames, *done} if number < frame), default=None)
-    if wanted not in done or frame - wanted > FARTHEST * shot.step:
-        return None
-    return latest if latest and latest[0] == wanted else (wanted, run.volume(wanted), shot.views(wanted))
-
-
-def _reconstruct_frame(
-    shot: Shot, settings: Settings, run: Run, frame: int, before: tuple | None, device, progress, observer
-) -> tuple[dict, np.ndarray, Views]:
-    """Reconstruct and write a frame; return its record, its volume as stored, and its views."""
-    begin, result = time.perf_counter(), None
-    views, options = shot.views(frame), settings.reconstruct
-    report = (lambda iteration, energy: progress(frame, iteration, energy)) if progress else None
-    observe = observer(frame) if observer else None
-    if before and options.coherence == "flow" and options.method == "appearance-transfer":
-        result = follow(before[1], before[2], views, options, progress=report, observe=observe, device=device)
-    carried = result is not None
-    if not carried:
-        result = reconstruct(views, options, progress=report, observe=observe, device=device)
-    rendered = apply_shoulder(result.render(views.angles_deg), options.shoulder)
-    record = {
-        "carried": carried,
+def _numbers(result: Reconstruction, views: Views, shoulder: float) -> dict:
+    """Return what a record tells of a reconstruction."""
+    rendered = apply_shoulder(result.render(views.angles_deg), shoulder)
+    return {
         "energies": result.energies.tolist(),
         **({"walk": result.walk.round(6).tolist()} if len(result.walk) else {}),
         "hull_share": result.hull_share,
         "input_psnr": [round(psnr(*pair, views.white), 2) for pair in zip(rendered, views.images, strict=True)],
         "total": float(result.volume.sum(dtype=np.float64)),
-        "seconds": round(time.perf_counter() - begin, 3),
     }
-    written = run.write_frame(frame, result.volume, settings.output, record)
-    return written, stored(result.volume, settings.output), views

@@ -1,6 +1,7 @@
 """The panels of Fig. 3: what every iteration of appearance transfer sees, makes and models."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -23,12 +24,13 @@ def panel_writer(folder: Path, look: str) -> Callable[[int], Observer]:
     Returns:
         For the number of a frame an observer that writes ``FRAME.ITERATION.png`` after every iteration.
     """
+    return partial(_observer, folder, look)  # which can be sent to another process
+
+
+def _observer(folder: Path, look: str, frame: int) -> Observer:
     from warpfluid.files.images import write_png
 
-    def observer(frame: int) -> Observer:
-        return lambda step: write_png(folder / f"{frame:04d}.{step.iteration:02d}.png", panels(step, look))
-
-    return observer
+    return lambda step: write_png(folder / f"{frame:04d}.{step.iteration:02d}.png", panels(step, look))
 
 
 def panels(step: Step, look: str = "fire", shown_deg: Sequence[float] = SHOWN_DEG) -> np.ndarray:

@@ -1,0 +1,81 @@
+"""How many workers this machine can bear, where each computes, and with how many threads."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from warpfluid.footage.estimate import free_memory
+from warpfluid.kernels.launch import thread_count
+
+PROCESS_BYTES = 400 << 20  # a worker with its libraries and kernels, before it has any work
+MANY = 1024
+AUTO = "auto"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Workforce:
+    """Workers of one machine.
+
+    Attributes:
+        devices: Where each worker computes.
+        threads: That each worker may use.
+        cache: Folder of compiled kernels.
+        notes: Sentences on why there are fewer workers than asked for.
+    """
+
+    devices: tuple[str, ...]
+    threads: int
+    cache: str = ""
+    notes: tuple[str, ...] = ()
+
+
+def parse_jobs(jobs: str) -> int | None:
+    """Return a number of workers, None for as many as suit the machine.
+
+    Raises:
+        ValueError: If it is none.
+    """
+    if jobs == AUTO:
+        return None
+    if not (jobs.isascii() and jobs.isdigit() and 0 < int(jobs) <= MANY):
+        raise ValueError(f"jobs is {jobs!r}, expected a number of processes from 1, or auto")
+    return int(jobs)
+
+
+def make_workforce(
+    jobs: int | None,
+    devices: tuple,
+    *,
+    tasks: int,
+    need: int,
+    cache: str = "",
+    free: Callable[[], float] = free_memory,
+) -> Workforce:
+    """Return workers that neither oversubscribe the cores nor the memory.
+
+    Args:
+        jobs: How many are asked for; None for one a core, or one a GPU.
+        devices: Warp devices that they may share, all of one kind.
+        tasks: How many there are that can be done side by side.
+        need: Memory of a task [byte].
+        cache: Folder of compiled kernels.
+        free: Returns the memory that is free on the machine [byte].
+    """
+    cores, notes = thread_count(), []
+    on_gpu = devices[0].is_cuda
+    count = jobs or (len(devices) if on_gpu else cores)
+    if count > cores:
+        notes.append(f"{count} processes are more than the {cores} cores: {cores} at once")
+        count = cores
+    if count > tasks:
+        if jobs and tasks > 1:
+            notes.append(f"no more than {tasks} of {count} processes find work at a time")
+        count = max(tasks, 1)
+    fit = int(free() // (PROCESS_BYTES + (0 if on_gpu else need)))
+    if on_gpu:
+        fit = min(fit, sum(int(device.free_memory // max(need, 1)) for device in devices))
+    if count > max(fit, 1):
+        gigabytes = f"{(need + PROCESS_BYTES) / 1e9:.2g} GB"
+        notes.append(f"{count} frames at once need {gigabytes} each, more than is free: {max(fit, 1)} at once")
+        count = max(fit, 1)
+    names = tuple(str(devices[place % len(devices)]) for place in range(count))
+    return Workforce(devices=names, threads=max(1, cores // count), cache=cache, notes=tuple(notes))

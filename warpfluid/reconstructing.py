@@ -1,0 +1,113 @@
+"""The frames of a shot, made by one process or many, and written down as they come."""
+
+from collections.abc import Collection
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from warpfluid.cluster.pools import Asked, open_pool
+from warpfluid.cluster.spread import spread
+from warpfluid.errors import CannotWriteError, describe
+from warpfluid.files.sequences import format_frames
+from warpfluid.footage.shot import Shot
+from warpfluid.progress import FrameBar, Progress
+from warpfluid.run import Run
+from warpfluid.settings import Settings
+
+
+@dataclass(frozen=True, kw_only=True)
+class Work:
+    """What is to be made.
+
+    Attributes:
+        run: Where to write; begun already.
+        shot: The footage.
+        settings: All choices made.
+        frames: To make, rising.
+        done: Frames that the run has.
+        need: Memory of a frame [byte].
+        debug_dir: Folder for the pictures of every iteration.
+        failed: What went wrong, by frame.
+    """
+
+    run: Run
+    shot: Shot
+    settings: Settings
+    frames: list[int]
+    done: Collection[int]
+    need: int
+    debug_dir: Path | None = None
+    failed: dict[str, str] = field(default_factory=dict)
+
+
+def reconstruct_frames(work: Work, asked: Asked, device, log: Progress) -> None:
+    """Make frames; what fails is noted.
+
+    Args:
+        work: What is to be made.
+        asked: Who shall do it.
+        device: The Warp device that one worker would use.
+        log: Progress.
+
+    Raises:
+        KeyboardInterrupt: If it is stopped; it says how to go on.
+    """
+    from warpfluid.reconstruction.pieces import make_pieces
+    from warpfluid.reconstruction.systems import round_count
+
+    if not work.frames:
+        return
+    count = 0
+    pieces = make_pieces(work.shot, work.settings.reconstruct)
+    groups = pieces.chains(work.frames)
+    if asked.jobs != "1" and len(groups) == 1 < len(work.frames):
+        log.notes(["each frame builds on the one before: cut the shot with --piece, or choose --coherence none"])
+    try:
+        with (
+            log.frames(work.frames, round_count(work.settings.reconstruct)) as bar,
+            _open(work, asked, device, len(groups), bar, log) as pool,
+        ):
+            for task, outcome in spread(_chains(work, pieces, groups), pool):
+                _note(work, {"frame": task.frame, **outcome}, bar)
+                count += 1
+    except KeyboardInterrupt as stop:
+        there = f"stopped after {count} of {len(work.frames)} frames"
+        raise KeyboardInterrupt(f"{there}; to continue: warpfluid reconstruct -o {work.run.folder} --resume") from stop
+    except CannotWriteError as error:
+        work.failed["the records"] = describe(error)
+    _name_the_rest(work, count)
+
+
+def _chains(work: Work, pieces, groups: list[list[int]]) -> list:
+    from warpfluid.reconstruction.pieces import frame_chain
+
+    known, done = {*work.shot.frames, *work.done}, set(work.done)
+    return [frame_chain(pieces, group, known, done) for group in groups]
+
+
+def _open(work: Work, asked: Asked, device, tasks: int, bar: FrameBar, log: Progress):
+    """Return who works."""
+    from warpfluid.reconstruction.sequence import FrameJob
+    from warpfluid.report.panels import panel_writer
+
+    observer = panel_writer(work.debug_dir, work.settings.output.look) if work.debug_dir else None
+    job = FrameJob(work.shot, work.settings, work.run, observer)
+    return open_pool(job, asked, device, tasks=tasks, need=work.need, progress=bar.iteration, say=log.line)
+
+
+def _note(work: Work, record: dict, bar: FrameBar) -> None:
+    """Write down what came of a frame."""
+    if "error" in record:
+        work.failed[f"frame {record['frame']}"] = record["error"]
+    else:
+        work.run.add_record(record)
+    bar.finished(record)
+
+
+def _name_the_rest(work: Work, count: int) -> None:
+    """Note the frames that were not even tried."""
+    if count == len(work.frames):
+        return
+    records = work.run.records()
+    left = [frame for frame in work.frames if frame not in records and f"frame {frame}" not in work.failed]
+    if left:
+        work.failed[f"frames {format_frames(left)}"] = "not made, for what is written cannot be kept"
