@@ -79,6 +79,10 @@ class ReconstructOptions:
         Literal["nltv-ncc", "ilk", "tvl1"],
         "Optical flow: non-local TV with cross-correlation (the paper), iterative Lucas-Kanade, or TV-L1",
     ] = "ilk"
+    piece: Annotated[
+        int | None, "Cut a coherent shot into pieces of so many pictures, which spread over processes; whole by default"
+    ] = None
+    overlap: Annotated[int, "Pictures that a piece starts early, so that it has settled; they are dropped"] = 4
     # rays
     footprint: Annotated[
         Literal["box", "joseph"], "What a voxel looks like to a ray: box conserves light in every view"
@@ -90,10 +94,6 @@ class ReconstructOptions:
     cg_steps: Annotated[int, "Conjugate gradient steps of an E-step"] = 5
     lsm_steps: Annotated[int, "Conjugate gradient steps of the initial volume (Eq. 3)"] = 12
     preconditioner: Annotated[
-    piece: Annotated[
-        int | None, "Cut a coherent shot into pieces of so many pictures, which spread over processes; whole by default"
-    ] = None
-    overlap: Annotated[int, "Pictures that a piece starts early, so that it has settled; they are dropped"] = 4
         Literal["ramp", "none"], "ramp lets few steps reach fine horizontal detail; none is plain CG"
     ] = "ramp"
     blur: Annotated[float, "Standard deviation of the 3D blur that ends an E-step [voxel]"] = 0.4
