@@ -49,7 +49,10 @@ def expand_comments(app, docname: str, source: list[str]) -> None:
     if docname == "changes":
         text = (HERE.parent / "CHANGELOG.md").read_text("utf-8")
     text = re.sub(r"<!-- autodoc ([\w.]+): ([\w, ]+) -->", autodoc, text)
-    source[0] = text.replace("<!-- toctree -->", toctrees(text))
+    text = text.replace("<!-- toctree -->", toctrees(text))
+    folder = (HERE / docname).parent  # a forge lists the folders that a page links to; a site has none
+    links = re.compile(r"\[([^\]]+)\]\((\.\.?/[^)#]+)\)")
+    source[0] = links.sub(lambda link: link[1] if (folder / link[2]).is_dir() else link[0], text)
 
 
 def autodoc(match: re.Match) -> str:
@@ -71,10 +74,10 @@ def toctrees(text: str) -> str:
         pages = [
             f"{title} <{page}>" for title, page in re.findall(r"^\| \[(.+?)\]\(([\w/-]+\.md)\)", part, re.MULTILINE)
         ]
-        if "<!-- paper -->" in part and (HERE / "paper").is_dir():
+        if "<!-- paper -->" in part and any((HERE / "paper").glob("*.md")):
             pages.append("paper/*")
         if pages:
-            options = [":hidden:", ":glob:", f":caption: {part.splitlines()[0]}"]
+            options = [":hidden:", f":caption: {part.splitlines()[0]}"]
             found.append("\n".join(["```{toctree}", *options, "", *pages, "```"]))
     return "\n\n".join(found)
 

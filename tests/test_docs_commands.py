@@ -16,7 +16,13 @@ from warpfluid.files.sequences import format_frames, parse_frames
 from warpfluid.files.video import write_video
 
 WIDTH, HEIGHT = 36, 27
-SMALL = {"--resolution": str(WIDTH), "--size": f"{WIDTH}x{HEIGHT}", "--iterations": "1", "--turntable": "2"}
+SMALL = {
+    "--resolution": str(WIDTH),
+    "--size": f"{WIDTH}x{HEIGHT}",
+    "--iterations": "1",
+    "--turntable": "2",
+    "--jobs": "1",
+}
 PLAIN = dict.fromkeys(BARE)
 QUICK = {"--iterations": "1", "--angles": "6", "--cg-steps": "1", "--lsm-steps": "2"}
 FEW = {"--frames": "1-2", "--resolution": str(WIDTH)}
@@ -59,7 +65,7 @@ def make_footage(folder: Path, name: str) -> None:
     """Write a clip of 60 frames, and pictures 1001 and 1002 beside it."""
     angle = int(name in ("side", "right"))
     large = [flame(frame, angle, 96, 72).repeat(10, 0).repeat(10, 1) for frame in range(2)]
-    clip = (np.repeat(large[frame % 2][..., None], 3, axis=2) for frame in range(60 if name == "front" else 2))
+    clip = (np.repeat(large[frame % 2][..., None], 3, axis=2) for frame in range(60 if name in ("front", "right") else 2))
     write_video(folder / f"{name}.mp4", clip, 24)
     for frame in (1001, 1002):
         light = flame(frame, angle, WIDTH, HEIGHT).astype(np.float32) / 255
