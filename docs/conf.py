@@ -74,8 +74,6 @@ def toctrees(text: str) -> str:
         pages = [
             f"{title} <{page}>" for title, page in re.findall(r"^\| \[(.+?)\]\(([\w/-]+\.md)\)", part, re.MULTILINE)
         ]
-        if "<!-- paper -->" in part and any((HERE / "paper").glob("*.md")):
-            pages.append("paper/*")
         if pages:
             options = [":hidden:", f":caption: {part.splitlines()[0]}"]
             found.append("\n".join(["```{toctree}", *options, "", *pages, "```"]))
@@ -108,8 +106,18 @@ def is_options(made) -> bool:
     return any(get_origin(hint) is Annotated for hint in get_type_hints(made, include_extras=True).values())
 
 
+def keep_flags_whole(app, page: str, template: str, context: dict, doctree) -> None:
+    """Mark flags, in text and in commands, so that no line ends within one."""
+    if "body" in context:
+        flag = re.compile(r"(?<=[\s>])(--?[a-z][\w-]*)(?=[\s<])")
+        commands = re.compile(r'(<div class="highlight-(?:sh|console).*?</pre>|<code [^>]*>.*?</code>)', re.DOTALL)
+        mark = r'<span class="whole">\1</span>'
+        context["body"] = commands.sub(lambda code: flag.sub(mark, code[1]), context["body"])
+
+
 def setup(app) -> dict:
     """Join Sphinx."""
+    app.connect("html-page-context", keep_flags_whole)
     app.connect("source-read", expand_comments)
     app.connect("autodoc-process-docstring", describe_options)
     app.connect("autodoc-process-signature", shorten_signature)

@@ -65,7 +65,8 @@ def make_footage(folder: Path, name: str) -> None:
     """Write a clip of 60 frames, and pictures 1001 and 1002 beside it."""
     angle = int(name in ("side", "right"))
     large = [flame(frame, angle, 96, 72).repeat(10, 0).repeat(10, 1) for frame in range(2)]
-    clip = (np.repeat(large[frame % 2][..., None], 3, axis=2) for frame in range(60 if name in ("front", "right") else 2))
+    count = 60 if name in ("front", "right") else 2
+    clip = (np.repeat(large[frame % 2][..., None], 3, axis=2) for frame in range(count))
     write_video(folder / f"{name}.mp4", clip, 24)
     for frame in (1001, 1002):
         light = flame(frame, angle, WIDTH, HEIGHT).astype(np.float32) / 255
