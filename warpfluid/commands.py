@@ -34,14 +34,14 @@ def reconstruct(
     problems.attempt(lambda: run.check_free(resume=resume, overwrite=overwrite))
     asked = problems.attempt(lambda: Asked(jobs=jobs, device=common.device))
     device = problems.attempt(pick_device, common.device)
-    shot = problems.attempt(open_shot, settings.views, settings.input)
+    shot = problems.attempt(open_shot, settings.views, settings.input, settings.reconstruct.shoulder or 0.0)
     problems.raise_if_any()
     if debug_dir:
         _make_folder(debug_dir, "--debug-dir")
     _check_lengths(shot, settings)
     inspection = inspect_shot(shot, settings.reconstruct)
     check_memory(inspection.memory_bytes, shot.size[0], device)
-    footage = dataclasses.replace(settings.input, white=shot.white or settings.input.white)
+    footage = dataclasses.replace(shot.options, white=shot.white or settings.input.white)
     settings = dataclasses.replace(settings, input=footage, reconstruct=inspection.options)
     facts = {"device": str(device), "inputs": shot.hashes()}
     done = run.begin(settings, facts, resume=resume, overwrite=overwrite)
@@ -59,7 +59,7 @@ def reconstruct(
 
 def inspect(settings: Settings, picture: Path | None, common) -> int:
     """Show what is understood of footage; return the exit code."""
-    shot = open_shot(settings.views, settings.input)
+    shot = open_shot(settings.views, settings.input, settings.reconstruct.shoulder or 0.0)
     inspection = inspect_shot(shot, settings.reconstruct)
     if picture:
         write_views_picture(picture, shot.views(shot.frames[len(shot.frames) // 2]))
@@ -116,9 +116,9 @@ def doctor(common) -> int:
 
 
 def _check_lengths(shot: Shot, settings: Settings) -> None:
-    """Refuse footage of unequal length, unless the frames were chosen."""
+    """Refuse footage of unequal length, unless the frames were chosen or the times given or found."""
     spans = {(source.frames[0], source.frames[-1]) for source in shot.sources}
-    if len(spans) > 1 and settings.input.frames is None:
+    if len(spans) > 1 and settings.input.frames is None and shot.options.view_time is None:
         found = ", ".join(f"{source.name} has {format_frames(source.frames)}" for source in shot.sources)
         way_out = f"--frames {format_frames(shot.frames)} uses what all of them have"
         raise ValueError(f"the views have unequal frames ({found}): {way_out}")

@@ -6,9 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from warpfluid.device import pick_device
+from warpfluid.footage.tone import apply_shoulder, undo_shoulder
 from warpfluid.options import ReconstructOptions
 from warpfluid.projector import Projector
-from warpfluid.reconstruction.inputs import apply_shoulder, make_inputs, undo_shoulder
+from warpfluid.reconstruction.inputs import make_inputs
 from warpfluid.views import Views
 
 

@@ -48,8 +48,8 @@ def views_of(volume: np.ndarray, angles_deg: Sequence[float], *, shoulder: float
         shoulder: Tone curve of the footage that it is compared with.
         device: Where to compute.
     """
+    from warpfluid.footage.tone import apply_shoulder
     from warpfluid.projector import Projector
-    from warpfluid.reconstruction.inputs import apply_shoulder
 
     images = Projector(angles_deg, volume.shape, device=device).project(np.ascontiguousarray(volume, np.float32))
     return upright(apply_shoulder(images, shoulder))

@@ -88,7 +88,7 @@ def _pair_hints(pair, equalize_rows: bool) -> list[str]:
         return []
     return [
         f"{name}: its rows disagree with view {pair.reference_deg:g} by {remedy.disagreement:.0%}: "
-        f"{', '.join(steps)}, and {remedy.disagreement_after:.0%} is left"
+        f"{', '.join(steps)}, and {remedy.disagreement_after:.0%} is left; --align auto does it"
     ]
 
 

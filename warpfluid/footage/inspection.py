@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from warpfluid.files.sequences import format_frames
+from warpfluid.footage.alignment import ViewAlignment, flags
 from warpfluid.footage.estimate import estimate_carried, estimate_cost, estimate_run, format_duration, hull_share
 from warpfluid.footage.hints import cost_hints, find_hints
 from warpfluid.footage.matting import LIT
@@ -73,6 +74,7 @@ class Inspection:
     memory_bytes: int
     options: ReconstructOptions  # with the choices made that depend on the footage
     notes: tuple[str, ...]
+    alignments: tuple[ViewAlignment, ...]
     hints: tuple[str, ...]
 
     def to_dict(self) -> dict:
@@ -89,8 +91,14 @@ class Inspection:
             f"frames  {self.frame_count} ({self.frames})",
             f"needs   {self._needs()}",
             *(f"note    {note}" for note in self.notes),
+            *(f"align   {view.line()}" for view in self.alignments),
+            *([f"        by hand: {flags(found)}"] if (found := self._found()) else []),
             *(f"hint    {hint}" for hint in self.hints),
         ]
+
+    def _found(self) -> list[ViewAlignment]:
+        """Return the alignments that were searched for."""
+        return [view for view in self.alignments if view.disagreement is not None]
 
     def _needs(self) -> str:
         frames = f"{self.frame_count} frame{'s' * (self.frame_count > 1)}"
@@ -134,6 +142,7 @@ def inspect_shot(shot: Shot, options: ReconstructOptions | None = None) -> Inspe
         memory_bytes=memory,
         options=options,
         notes=shot.notes,
+        alignments=shot.alignments,
         hints=(
             *find_hints(views, pairs, share, options, equalize_rows=shot.equalize_rows),
             *cost_hints(shot.size, len(shot.frames), share, asked, len(views)),
@@ -161,10 +170,9 @@ def _read(shot: Shot) -> tuple[np.ndarray, np.ndarray, list[int]]:
     looked_at = spread(frames, LOOKED_AT_FRAMES)
     sums, images = [], []
     for frame in frames:
-        views = shot.views(frame, equalize_rows=False)
-        sums.append(views.row_sums())
+        sums.append(shot.row_sums(frame))
         if frame in looked_at:
-            images.append(views.images)
+            images.append(shot.views(frame, equalize_rows=False).images)
     return np.stack(sums, axis=1), np.stack(images), looked_at
 
 
@@ -173,7 +181,8 @@ def _floor(source: Source, frames: list[int], background: float) -> float:
 
     Pictures are looked at before they are reduced: the black level comes off there, and reducing hides noise.
     """
-    full = source.with_matting(size=tuple(source.matting.crop[:2] if source.matting.crop else source.footage.size))
+    size = tuple(source.matting.crop[:2] if source.matting.crop else source.footage.size)
+    full = source.with_matting(size=size, shift=0.0, scale=1.0)
     borders = zip(*(_border(full.image(frame)) for frame in frames), strict=True)
     floors = [_noise_floor(np.stack(edge)) for edge in borders]
     if min(floors) > background + LOUD:  # the fluid crosses every edge
@@ -197,7 +206,7 @@ def _inspect_view(source: Source, frames: list[int], images: np.ndarray) -> View
     """Return what one view's images show, shape (frame, u, v)."""
     lit = images > LIT
     background = float(np.percentile(images, 20))
-    floor, taken_off = _floor(source, frames, background), source.matting.black_level
+    floor, taken_off = _floor(source, frames, background / source.alignment.gain), source.matting.black_level
     edges = {"left": lit[:, 0], "right": lit[:, -1], "bottom": lit[:, :, 0], "top": lit[:, :, -1]}
     return ViewInspection(
         angle_deg=source.angle_deg,

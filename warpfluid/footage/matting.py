@@ -1,13 +1,15 @@
 """From a picture in a file to an image of light on black.
 
 The order is: crop, undo the tone curve, luminance, take the background off, scale to 0..255, take the black
-level off, keep the largest region, shrink, and turn to (u, v) with v up.
+level off, keep the largest region, move and enlarge, shrink, and turn to (u, v) with v up.
 """
 
 import re
 from dataclasses import dataclass
 
 import numpy as np
+
+from warpfluid.footage.resampling import move
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)  # Rec. ITU-R BT.709
 LIT = 1.0  # grey level above which a pixel holds light
@@ -26,6 +28,8 @@ class Matting:
         white: Light that becomes 255.
         black_level: Grey level of the empty background [0-255].
         largest_component: Keep the largest lit region only.
+        shift: How far the picture moves up [pixel of the footage].
+        scale: How much larger it is drawn, about its middle.
     """
 
     size: tuple[int, int]
@@ -35,6 +39,8 @@ class Matting:
     white: float = 1.0
     black_level: float = 0.0
     largest_component: bool = False
+    shift: float = 0.0
+    scale: float = 1.0
 
     def light(self, picture: np.ndarray) -> np.ndarray:
         """Return what the fluid adds to the background, shape (rows, columns), never negative."""
@@ -57,7 +63,7 @@ class Matting:
             grey = np.maximum(grey - self.black_level, 0.0) * np.float32(255.0 / (255.0 - self.black_level))
         if self.largest_component:
             grey = keep_largest_region(grey)
-        return to_image(shrink(grey, self.size))
+        return to_image(shrink(move(grey, self.shift, self.scale), self.size))
 
 
 def parse_resolution(text: str) -> tuple[int, int | None]:
@@ -125,7 +131,7 @@ def shrink(picture: np.ndarray, size: tuple[int, int]) -> np.ndarray:
         size: New width and height [pixel], whole fractions or not.
     """
     width, height = size
-    return _average(_average(picture, height).T, width).T
+    return average(average(picture, height).T, width).T
 
 
 def to_image(picture: np.ndarray) -> np.ndarray:
@@ -133,23 +139,24 @@ def to_image(picture: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(np.asarray(picture, np.float32)[::-1].T)
 
 
-def equalize_rows(images: np.ndarray) -> np.ndarray:
+def equalize_rows(images: np.ndarray, lit_above: float = LIT) -> np.ndarray:
     """Give every view the same total in each image row, as light that no medium absorbs has.
 
     The total is the mean over the views in which the row is lit. A row that is dark in a view stays so, and
     no row is scaled by more than a factor of four.
 
     Args:
-        images: Shape (view, u, v).
+        images: Linear light, shape (view, u, v).
+        lit_above: Level above which a pixel holds light.
     """
     sums = images.sum(axis=1, dtype=np.float64)
-    lit = images.max(axis=1) > LIT
+    lit = images.max(axis=1) > lit_above
     mean = np.where(lit, sums, 0).sum(axis=0) / np.maximum(lit.sum(axis=0), 1)
     ratio = np.divide(mean, sums, out=np.ones_like(sums), where=lit).clip(1 / ROW_RATIO, ROW_RATIO)
     return images * ratio[:, None, :].astype(np.float32)
 
 
-def _average(picture: np.ndarray, length: int) -> np.ndarray:
+def average(picture: np.ndarray, length: int) -> np.ndarray:
     """Average rows over equal intervals: differences of the running sum at the interval's ends."""
     rows = len(picture)
     if rows == length:

@@ -52,8 +52,9 @@ def find_footage(document: dict | None) -> Footage | None:
     origin = find_reconstruction(document)
     if origin is None:
         return None
-    shot = open_shot(origin["views"], InputOptions(**origin.get("input", {})))
-    return Footage(shot=shot, shoulder=origin.get("reconstruct", {}).get("shoulder", 0.0))
+    shoulder = origin.get("reconstruct", {}).get("shoulder", 0.0)
+    shot = open_shot(origin["views"], InputOptions(**origin.get("input", {})), shoulder)
+    return Footage(shot=shot, shoulder=shoulder)
 
 
 def find_reconstruction(document: dict | None) -> dict | None:

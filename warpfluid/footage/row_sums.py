@@ -46,12 +46,12 @@ def compare_row_sums(reference: np.ndarray, sums: np.ndarray) -> Remedy:
     for offset in range(-offsets, offsets + 1):
         for shift in range(-shifts, shifts + 1):
             a, b = _overlap(reference, sums, offset, shift)
-            scale = _rms(a) / _rms(b) if b.any() else 1.0
-            found.append((_disagreement(a, scale * b), abs(offset) + abs(shift), offset, shift, scale))
+            scale = rms(a) / rms(b) if b.any() else 1.0
+            found.append((disagreement(a, scale * b), abs(offset) + abs(shift), offset, shift, scale))
     enough = 1.05 * min(found)[0] + 0.002
     after, _, offset, shift, scale = min((f for f in found if f[0] <= enough), key=lambda f: (f[1], f[0]))
     return Remedy(
-        disagreement=_disagreement(reference, sums),
+        disagreement=disagreement(reference, sums),
         time_offset=offset,
         vertical_shift=shift,
         exposure_scale=float(scale),
@@ -71,11 +71,12 @@ def _overlap(a: np.ndarray, b: np.ndarray, offset: int, shift: int) -> tuple[np.
     return a, b
 
 
-def _rms(values: np.ndarray) -> float:
+def rms(values: np.ndarray) -> float:
+    """Return the root of the mean square."""
     return float(np.sqrt(np.mean(values**2)))
 
 
-def _disagreement(a: np.ndarray, b: np.ndarray) -> float:
+def disagreement(a: np.ndarray, b: np.ndarray) -> float:
     """Return the rms of the difference over the rms of both."""
-    both = np.sqrt((_rms(a) ** 2 + _rms(b) ** 2) / 2)
-    return float(_rms(a - b) / both) if both > 0 else 0.0
+    both = np.sqrt((rms(a) ** 2 + rms(b) ** 2) / 2)
+    return float(rms(a - b) / both) if both > 0 else 0.0

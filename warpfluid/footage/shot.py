@@ -2,25 +2,18 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from warpfluid.errors import Problems
-from warpfluid.files.sequences import format_frames, parse_frames
+from warpfluid.files.sequences import parse_frames
 from warpfluid.footage import matting
-from warpfluid.footage.sources import (
-    SAMPLED_FRAMES,
-    Source,
-    check_light,
-    file_hash,
-    image_size,
-    is_integer,
-    parse_view,
-    prepare,
-    spread,
-)
+from warpfluid.footage.alignment import Alignment, ViewAlignment, given_numbers
+from warpfluid.footage.pairing import common_frames, start_together
+from warpfluid.footage.preparing import check_light, expose, is_integer, prepare
+from warpfluid.footage.sources import Source, file_hash, image_size, parse_view
+from warpfluid.footage.tone import apply_shoulder, undo_shoulder
 from warpfluid.options import InputOptions
 from warpfluid.views import Views, angle_problems
 
@@ -34,12 +27,18 @@ class Shot:
         frames: Frames to reconstruct, which every view has.
         equalize_rows: Whether ``views`` gives every view the same total in each row.
         notes: Sentences on what was decided for the user.
+        options: How pictures became images, with the numbers of the alignment in place of a search.
+        shoulder: Tone curve behind which light is scaled, see ``ReconstructOptions``.
+        alignments: Of the views that are aligned, and what a search found of them.
     """
 
     sources: tuple[Source, ...]
     frames: tuple[int, ...]
     equalize_rows: bool = True
     notes: tuple[str, ...] = ()
+    options: InputOptions = field(default_factory=InputOptions)
+    shoulder: float = 0.0
+    alignments: tuple[ViewAlignment, ...] = ()
 
     @property
     def angles_deg(self) -> tuple[float, ...]:
@@ -64,7 +63,7 @@ class Shot:
     @property
     def step(self) -> int:
         """Frames from one picture of the footage to the next: 2 for a sequence on twos."""
-        return min((b - a for a, b in pairwise(self.sources[0].frames)), default=1)
+        return self.sources[0].step
 
     def views(self, frame: int, *, equalize_rows: bool | None = None) -> Views:
         """Return the images of a frame; they may be black all over.
@@ -80,9 +79,23 @@ class Shot:
         if lacking:
             raise ValueError(f"{' and '.join(lacking)} has no frame {frame}")
         images = np.stack([source.image(frame) for source in self.sources])
-        if self.equalize_rows if equalize_rows is None else equalize_rows:
-            images = matting.equalize_rows(images)
-        return Views(images, self.angles_deg)
+        equal = self.equalize_rows if equalize_rows is None else equalize_rows
+        return Views(self._scaled(images, equal=equal and len(images) > 1), self.angles_deg)
+
+    def row_sums(self, frame: int) -> np.ndarray:
+        """Return the linear light in each image row of a frame, shape (view, v), before rows are made equal."""
+        images = self.views(frame, equalize_rows=False).images
+        return undo_shoulder(images, self.shoulder).sum(axis=1, dtype=np.float64)
+
+    def _scaled(self, images: np.ndarray, *, equal: bool) -> np.ndarray:
+        """Multiply the linear light of images by the gains, and make rows equal where that is asked for."""
+        gains = np.array([source.alignment.gain for source in self.sources], np.float32)
+        if not equal and (gains == 1).all():
+            return images
+        light = undo_shoulder(images, self.shoulder) * gains[:, None, None]
+        if equal:
+            light = matting.equalize_rows(light, float(undo_shoulder(np.float64(matting.LIT), self.shoulder)))
+        return apply_shoulder(light, self.shoulder)
 
     def hashes(self) -> dict[str, str]:
         """Return a SHA-256 of the footage of each view, by its angle.
@@ -92,18 +105,22 @@ class Shot:
         return {f"{source.angle_deg:.15g}": file_hash(source.footage.paths) for source in self.sources}
 
 
-def open_shot(views: Sequence[str | tuple[float, str]], options: InputOptions | None = None) -> Shot:
+def open_shot(
+    views: Sequence[str | tuple[float, str]], options: InputOptions | None = None, shoulder: float = 0.0
+) -> Shot:
     """Open the footage of every view and check all of it.
 
     Image sequences are paired by the numbers of their files; a video starts where the sequences start, and
-    at 1 among videos.
+    at 1 among videos. Then views are aligned as the options say.
 
     Args:
         views: ``ANGLE=PATH``, or pairs of angle and path.
         options: How pictures become images.
+        shoulder: Tone curve behind which light is scaled, see ``ReconstructOptions``.
 
     Raises:
-        ValueError: If anything is wrong with any view or option; one line each.
+        ValueError: If anything is wrong with any view or option, or views that are to be aligned do not agree; one line
+            each.
     """
     options = options or InputOptions()
     problems, notes = Problems(), []
@@ -111,26 +128,38 @@ def open_shot(views: Sequence[str | tuple[float, str]], options: InputOptions | 
     sources = _open_sources(views, problems)
     if not sources:
         problems.raise_if_any()
-    sources = _align(sources, notes)
-    frames = _common_frames(sources, asked, problems, notes)
+    sources = _align_by_hand(start_together(sources, notes), options, problems)
     sizes = [problems.attempt(image_size, source, options, notes) for source in sources]
     if None not in sizes and len(set(sizes)) > 1:
         found = ", ".join(f"{s.name} {w} x {h}" for s, (w, h) in zip(sources, sizes, strict=True))
         problems.append(f"the views have unlike sizes ({found}): make them equal with --resolution or --crop")
+    found = ()
+    if options.align == "auto" and not problems:
+        from warpfluid.footage.aligning import align_views
+
+        sources, found, options = align_views(sources, options, sizes[0], asked, shoulder, notes)
+    frames = common_frames(sources, asked, problems, notes) if all(source.frames for source in sources) else ()
     for source in sources:
         # a damaged picture must not come up in the middle of a long run
-        for frame in sorted(set(frames) & set(source.frames)):
-            problems.attempt(source.footage.read, frame - source.offset)
+        for number in source.numbers(frames):
+            problems.attempt(source.footage.read, number)
     problems.raise_if_any()
     sources = [problems.attempt(prepare, source, frames, sizes[0], options) for source in sources]
     problems.raise_if_any()
     if options.white is None:
-        sources = _expose(sources, frames)
+        sources = expose(sources, frames)
     for source in sources:
         problems.attempt(check_light, source, frames)
     problems.raise_if_any()
-    equalize = options.equalize_rows
-    return Shot(sources=tuple(sources), frames=frames, equalize_rows=equalize, notes=tuple(notes))
+    return Shot(
+        sources=tuple(sources),
+        frames=frames,
+        equalize_rows=options.equalize_rows,
+        notes=tuple(notes),
+        options=options,
+        shoulder=shoulder,
+        alignments=found or _by_hand(sources),
+    )
 
 
 def _check_options(options: InputOptions, problems: Problems) -> list[int] | None:
@@ -162,57 +191,22 @@ def _open_sources(views, problems: Problems) -> list[Source]:
     ]
 
 
-def _align(sources: list[Source], notes: list[str]) -> list[Source]:
-    """Let videos start where the image sequences start, and single pictures stand for the same frame."""
-    firsts = [source.frames[0] for source in sources if source.footage.kind != "video"]
-    if all(len(source.frames) == 1 for source in sources):
-        return [replace(source, offset=sources[0].frames[0] - source.frames[0]) for source in sources]
-    if not firsts or len(firsts) == len(sources):
+def _align_by_hand(sources: list[Source], options: InputOptions, problems: Problems) -> list[Source]:
+    """Give every view the alignment that the options name."""
+    numbers = problems.attempt(given_numbers, options, [source.angle_deg for source in sources])
+    if numbers is None:
         return sources
-    first = max(firsts)
-    notes.append(f"videos start at frame {first}, where the image sequences start")
-    return [
-        replace(source, offset=first - source.frames[0]) if source.footage.kind == "video" else source
-        for source in sources
-    ]
+    aligned = [replace(source, alignment=Alignment(**given)) for source, given in zip(sources, numbers, strict=True)]
+    for source in aligned:
+        if not source.frames:
+            problems.append(f"--view-time: {source.name} has no two successive pictures to play between")
+    return aligned
 
 
-def _common_frames(
-    sources: list[Source], asked: list[int] | None, problems: Problems, notes: list[str]
-) -> tuple[int, ...]:
-    """Return the frames to reconstruct; note the views that lack any of them."""
-    first = max(source.frames[0] for source in sources)
-    last = min(source.frames[-1] for source in sources)
-    if first > last and not asked:
-        spans = ", ".join(f"{source.name} has {format_frames(source.frames)}" for source in sources)
-        problems.append(f"the views have no frame in common ({spans}): number their files alike")
-        return ()
-    wanted = sorted(set(asked)) if asked else _expected_frames(sources, first, last)
-    for source in sources:
-        missing = sorted(set(wanted) - set(source.frames))
-        if missing:
-            way_out = "" if asked else ": mend the sequence or leave them out with --frames"
-            have = f" (it has {format_frames(source.frames)})" if asked else ""
-            problems.append(f"{source.name} lacks frame {format_frames(missing)}{have}{way_out}")
-        elif not asked and (source.frames[0], source.frames[-1]) != (first, last):
-            span = f"{format_frames(source.frames)}, the others less"
-            notes.append(f"{source.name} has frames {span}: {format_frames(wanted)} are used")
-    return tuple(wanted)
-
-
-def _expected_frames(sources: list[Source], first: int, last: int) -> list[int]:
-    """Return the frames from first to last that any view has, and those its step would have put there."""
-    expected: set[int] = set()
-    for source in sources:
-        frames = [frame for frame in source.frames if first <= frame <= last]
-        step = min((b - a for a, b in pairwise(frames)), default=1)
-        expected |= {*frames, *range(frames[0], frames[-1] + 1, step)} if frames else set()
-    return sorted(expected)
-
-
-def _expose(sources: list[Source], frames: Sequence[int]) -> list[Source]:
-    """Give float footage one white: the brightest pixel of a sample of frames, over all views."""
-    floats = [source for source in sources if not is_integer(source)]
-    sample = spread(frames, SAMPLED_FRAMES)
-    white = max((float(source.light(frame).max()) for source in floats for frame in sample), default=0.0)
-    return [source if is_integer(source) else source.with_matting(white=white or 1.0) for source in sources]
+def _by_hand(sources: list[Source]) -> tuple[ViewAlignment, ...]:
+    """Return the alignments of the views that have one."""
+    return tuple(
+        ViewAlignment(angle_deg=s.angle_deg, reference_deg=sources[0].angle_deg, alignment=s.alignment)
+        for s in sources
+        if s.alignment != Alignment()
+    )

@@ -1,20 +1,19 @@
 """The footage of one view, and how its pictures become images."""
 
 import hashlib
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
-from warpfluid.footage.matting import LIT, Matting, parse_crop, parse_resolution
+from warpfluid.footage.alignment import Alignment
+from warpfluid.footage.matting import Matting, parse_crop, parse_resolution
 from warpfluid.options import InputOptions
 
 SMALLEST = 8  # pixels; below this there is no pyramid to speak of
-SAMPLED_FRAMES = 15  # for the median background and the white of float footage
-CHECKED_FRAMES = 5  # looked at before a run starts
-MEDIAN_FRAMES = 3
-ALL_WHITE = 0.99  # share of saturated pixels that no picture of a fluid has
 STRETCH = 0.02  # change of proportions that is worth a note
 HASHED_BYTES = 1 << 20
 
@@ -27,12 +26,14 @@ class Source:
         angle_deg: Angle of the view.
         footage: What ``open_footage`` returned.
         offset: Frame of the shot less frame of the footage: videos count from 1, sequences as their files do.
+        alignment: How it is brought in line with the other views.
         matting: How its pictures become images.
     """
 
     angle_deg: float
     footage: object
     offset: int = 0
+    alignment: Alignment = field(default_factory=Alignment)
     matting: Matting | None = None
 
     @property
@@ -41,17 +42,44 @@ class Source:
         return f"{self.angle_deg:g}={self.footage.source}"
 
     @property
+    def step(self) -> int:
+        """Frames from one picture of the footage to the next: 2 for a sequence on twos."""
+        return min((b - a for a, b in pairwise(self.footage.frames)), default=1)
+
+    @property
     def frames(self) -> tuple[int, ...]:
-        """The frames that the footage has, in the shot's numbers."""
-        return tuple(frame + self.offset for frame in self.footage.frames)
+        """The frames that the footage has, in the shot's numbers; between two pictures if it plays so."""
+        later, share = self._delay
+        first = self.footage.frames
+        if share:
+            first = tuple(a for a, b in pairwise(first) if b - a == self.step)
+        return tuple(number + self.offset + later for number in first)
+
+    def numbers(self, frames: Iterable[int]) -> list[int]:
+        """Return the footage's own numbers of the pictures that some frames of the shot are made of."""
+        later, share = self._delay
+        first = {frame - self.offset - later for frame in set(frames) & set(self.frames)}
+        return sorted(first | {number + self.step for number in first if share})
 
     def light(self, frame: int) -> np.ndarray:
-        """Return the light of a frame, shape (rows, columns), before it is scaled."""
-        return self.matting.light(self.footage.read(frame - self.offset))
+        """Return the light of a frame, or of the picture before it, shape (rows, columns), before it is scaled."""
+        return self.matting.light(self.footage.read(frame - self.offset - self._delay[0]))
 
     def image(self, frame: int) -> np.ndarray:
-        """Return the image of a frame, shape (u, v), 255 for white."""
-        return self.matting.image(self.footage.read(frame - self.offset))
+        """Return the image of a frame, shape (u, v), 255 for white; between two pictures it is a blend of them."""
+        later, share = self._delay
+        number = frame - self.offset - later
+        image = self.matting.image(self.footage.read(number))
+        if not share:
+            return image
+        after = self.matting.image(self.footage.read(number + self.step))
+        return image + np.float32(share) * (after - image)
+
+    @property
+    def _delay(self) -> tuple[int, float]:
+        """Whole steps by which the view plays later [frame], and how far it is then on the way to the next picture."""
+        steps = self.alignment.time / self.step
+        return math.ceil(steps) * self.step, math.ceil(steps) - steps
 
     def with_matting(self, **changes) -> "Source":
         """Return the source with another preparation."""
@@ -98,61 +126,6 @@ def image_size(source: Source, options: InputOptions, notes: list[str]) -> tuple
     return size
 
 
-def prepare(source: Source, frames: Sequence[int], size: tuple[int, int], options: InputOptions) -> Source:
-    """Return a source with its preparation, all but the white of float footage.
-
-    Args:
-        source: Footage of one view.
-        frames: Frames of the shot, for the median background.
-        size: Width and height of the images [pixel].
-        options: How pictures become images.
-
-    Raises:
-        ValueError: If there is no background picture of the footage's size, or too few frames for a median.
-    """
-    prepared = Matting(
-        size=size,
-        crop=parse_crop(options.crop) if options.crop else None,
-        decode="none" if source.footage.linear else options.decode,
-        white=options.white or 1.0,
-        black_level=options.black_level,
-        largest_component=options.largest_component,
-    )
-    source = replace(source, matting=prepared)
-    if options.white and options.white > 1 and is_integer(source):
-        raise ValueError(
-            f"--white {options.white:g} is above 1, but {source.name} holds integers, which count as 0 to 1: "
-            "give a value up to 1, such as 0.8"
-        )
-    if not options.background:
-        return source
-    return source.with_matting(background=_background(source, frames, options.background))
-
-
-def is_integer(source: Source) -> bool:
-    """Whether the footage holds integers, whose full range is known."""
-    return source.footage.depth != "float"
-
-
-def check_light(source: Source, frames: Sequence[int]) -> None:
-    """Look at a few frames, and refuse a view that is black or white in all of them.
-
-    Raises:
-        ValueError: If there is nothing to reconstruct.
-    """
-    greys = [source.image(frame) for frame in spread(frames, CHECKED_FRAMES)]
-    if all(grey.max() <= LIT for grey in greys):
-        raise ValueError(
-            f"{source.name} is black in every frame looked at: "
-            "check the footage, --black-level, --background and --white"
-        )
-    if all((grey >= 254.5).mean() >= ALL_WHITE for grey in greys):
-        raise ValueError(
-            f"{source.name} is white all over: "
-            "take the background off with --background or --black-level, or raise --white"
-        )
-
-
 def spread(frames: Sequence[int], count: int) -> list[int]:
     """Return at most ``count`` of the frames, evenly spread, the first and last among them."""
     places = np.unique(np.linspace(0, len(frames) - 1, min(count, len(frames))).round().astype(int))
@@ -170,25 +143,3 @@ def file_hash(paths: Sequence[str | Path]) -> str:
             file.seek(max(size - HASHED_BYTES, HASHED_BYTES if size > HASHED_BYTES else size))
             digest.update(file.read())
     return digest.hexdigest()
-
-
-def _background(source: Source, frames: Sequence[int], background: str) -> np.ndarray:
-    """Return the light of the empty set: of a picture, or the median over the frames."""
-    if background == "median":
-        if len(frames) < MEDIAN_FRAMES:
-            raise ValueError(
-                f"--background median needs at least {MEDIAN_FRAMES} frames, {source.name} has "
-                f"{len(frames)}: give a picture of the empty set"
-            )
-        lights = [source.light(frame) for frame in spread(frames, SAMPLED_FRAMES)]
-        return np.median(lights, axis=0).astype(np.float32)
-    from warpfluid.files.images import read_image
-
-    plate = read_image(background)
-    if plate.shape[1::-1] != tuple(source.footage.size):
-        (columns, rows), (width, height) = plate.shape[1::-1], source.footage.size
-        raise ValueError(
-            f"--background {background} has {columns} x {rows} pixels, {source.name} {width} x {height}: "
-            "give a picture of the same size"
-        )
-    return source.matting.light(plate)

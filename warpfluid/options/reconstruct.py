@@ -47,6 +47,17 @@ class InputOptions:
     equalize_rows: Annotated[
         bool, "Give every view the same total in each image row, as light that no medium absorbs has"
     ] = True
+    align: Annotated[
+        Literal["none", "auto"],
+        "auto: find when the other views play against the first, how high, how large and how bright, from row sums",
+    ] = "none"
+    align_subframe: Annotated[bool, "Let auto find parts of frames, too: two pictures are then blended"] = False
+    view_time: Annotated[str | None, "Frames by which views play later, such as 90=3 or 90=3,-60=-1.5"] = None
+    view_shift: Annotated[str | None, "Pixels of the footage by which the pictures of views move up: 90=2.5"] = None
+    view_scale: Annotated[
+        str | None, "How much larger the pictures of views are drawn, about their middle: 90=1.02"
+    ] = None
+    view_gain: Annotated[str | None, "By what the light of views is multiplied: 90=1.25"] = None
 
     def __post_init__(self):
         check_options(self)

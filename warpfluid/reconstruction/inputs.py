@@ -13,6 +13,7 @@ import warp as wp
 from scipy.ndimage import distance_transform_edt, gaussian_filter1d, grey_opening
 
 from warpfluid.balance import Balancing
+from warpfluid.footage.tone import undo_shoulder
 from warpfluid.kernels.visual_hull import silhouette_hull
 from warpfluid.options import ReconstructOptions
 from warpfluid.projector import Projector, directions
@@ -140,19 +141,6 @@ def given_statistics(
     images = undo_shoulder(statistics.images * np.float32(255 / statistics.white), options.shoulder)
     images, angles = _within_half_turn(images, statistics.angles_deg)
     return np.asarray(images, np.float32), angles
-
-
-def undo_shoulder(grey: np.ndarray, strength: float) -> np.ndarray:
-    """Take a film-like tone curve off footage; black and 255 stay, and the curve shows nothing brighter.
-
-    The curve is I = 255 (1 - exp(-k L / 255)) / (1 - exp(-k)) of linear light L, k being the strength.
-    """
-    return -255 / strength * np.log1p(np.expm1(-strength) * np.minimum(grey, 255) / 255) if strength else grey
-
-
-def apply_shoulder(light: np.ndarray, strength: float) -> np.ndarray:
-    """Put the tone curve that ``undo_shoulder`` takes off on linear light again."""
-    return 255 * np.expm1(-strength * light / 255) / np.expm1(-strength) if strength else light
 
 
 def _within_half_turn(images: np.ndarray, angles_deg: tuple[float, ...]) -> tuple[np.ndarray, tuple[float, ...]]:

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpfluid.footage.shot import Shot
+from warpfluid.footage.tone import apply_shoulder
 from warpfluid.metrics import psnr
 from warpfluid.reconstruction.coherence import follow
 from warpfluid.reconstruction.em import reconstruct
-from warpfluid.reconstruction.inputs import apply_shoulder
 from warpfluid.reconstruction.pieces import FrameTask
 from warpfluid.reconstruction.result import Observer, Reconstruction
 from warpfluid.run import Run, stored

@@ -57,7 +57,11 @@ def report_reconstruction(run: Run, shot: Shot, settings: Settings, inspection: 
         subtitle=_subtitle(records, shown, inspection),
         inputs=pieces.view_reports([s.footage.source for s in shot.sources], shot.angles_deg, middle.images),
         warnings=inspection.hints,
-        check=[f"The visual hull fills {inspection.hull_share:.0%} of the box.", *inspection.notes],
+        check=[
+            f"The visual hull fills {inspection.hull_share:.0%} of the box.",
+            *(f"Aligned: {view.line()}" for view in inspection.alignments),
+            *inspection.notes,
+        ],
         check_table=_check_table(shot, inspection, tuple(records), device),
         frames=frames,
         metrics=means,
