@@ -91,6 +91,8 @@ def test_random_walks_cost_by_mutations():
     assert seconds(method="lsm") < seconds(method="convex") < seconds(method="stochastic")
     assert seconds(method="stochastic", mutations=4 * 10**9) > 60 > seconds(method="stochastic", mutations=1000)
     assert seconds(e_step="stochastic", angles=180) > 1.5 * seconds(e_step="stochastic", angles=90)
+    assert seconds() < seconds(transfer="texture-optimization") < seconds(transfer="portilla-simoncelli", sweeps=4)
+    assert seconds(method="lsm") == seconds(method="lsm", transfer="portilla-simoncelli")
 
 
 def test_long_runs_are_given_a_width():

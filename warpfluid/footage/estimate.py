@@ -22,6 +22,8 @@ SECONDS_A_VOXEL = 6e-8  # of the whole box: noise, least squares, file
 SECONDS_AN_ITERATION = 0.05
 SECONDS_A_RAY_STEP = 1.9e-10  # one projection or back-projection, by angle and voxel inside the hull
 SECONDS_A_STATISTIC = 7e-8  # one M-step, by angle and pixel
+SECONDS_A_SWEEP = 3.5e-7  # over joint statistics, by angle and pixel
+SECONDS_A_PATCHED_PIXEL = 7e-7  # of texture optimisation, by angle
 SECONDS_A_FLOW_PIXEL = 7e-6
 SECONDS_A_MUTATION = 5e-8  # of a random walk over two views
 SECONDS_A_MADE_MUTATION = 1.2e-8  # of one in an E-step, by angle
@@ -73,7 +75,7 @@ def estimate_cost(size: tuple[int, int], share: float, options: ReconstructOptio
     voxels, pixels = u * u * v, (options.angles or default_angles(u)) * u * v
     iterations = options.iterations if options.method == "appearance-transfer" else 0
     projections = 2 + 2 * options.cg_steps
-    iteration = SECONDS_AN_ITERATION + pixels * SECONDS_A_STATISTIC
+    iteration = SECONDS_AN_ITERATION + pixels * _seconds_of_transfer(options)
     iteration += projections * pixels * u * share * SECONDS_A_RAY_STEP
     seconds = SECONDS_A_FRAME + voxels * SECONDS_A_VOXEL + iterations * iteration
     seconds += _seconds_of_walks(voxels * share, pixels // (u * v), options)
@@ -81,6 +83,15 @@ def estimate_cost(size: tuple[int, int], share: float, options: ReconstructOptio
         seconds += options.convex_steps * voxels * share * SECONDS_A_CONVEX_STEP
     part = min(PART_OVER_HULL * share, 1)
     return seconds, int(voxels * (BYTES_A_VOXEL + part * BYTES_A_HULL_VOXEL) + pixels * BYTES_A_PIXEL)
+
+
+def _seconds_of_transfer(options: ReconstructOptions) -> float:
+    """Return seconds of an M-step, by angle and pixel."""
+    if options.transfer == "texture-optimization":
+        return SECONDS_A_PATCHED_PIXEL
+    if options.transfer == "portilla-simoncelli":
+        return SECONDS_A_STATISTIC + options.sweeps * SECONDS_A_SWEEP
+    return SECONDS_A_STATISTIC
 
 
 def _seconds_of_walks(hull_voxels: float, angles: int, options: ReconstructOptions) -> float:
