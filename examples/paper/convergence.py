@@ -14,7 +14,7 @@ from scenes import KINDS, play, random_field
 import warpfluid as wf
 from warpfluid.options import ReconstructOptions
 
-EACH = pick(1, 8, 400)  # scenes of a kind; half by the solver
+EACH = pick(1, 12, 400)  # scenes of a kind; half by the solver
 WIDTH, HEIGHT = pick((16, 20), (24, 36), (32, 48))
 SEEDS = pick(1, 2, 20)  # of the solver's turbulence; more scenes are other frames and angles
 RISE, FALL, END = 1e-3, 0.5, 0.1

@@ -11,7 +11,6 @@ from PIL import Image
 PAPER = Path(__file__).parents[2] / "examples" / "paper"
 SHARED = ("common", "run_all", "scenes", "sequences", "trees")
 FIGURES = sorted(path.stem for path in PAPER.glob("*.py") if path.stem not in SHARED)
-FAST = pytest.mark.filterwarnings("default::DeprecationWarning")
 
 
 @pytest.fixture(scope="session")
