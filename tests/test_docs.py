@@ -4,6 +4,7 @@ import ast
 import re
 import shlex
 from dataclasses import asdict, fields
+from importlib import import_module
 from pathlib import Path
 from typing import get_args, get_type_hints
 
@@ -77,6 +78,8 @@ def flags(command: str) -> set[str]:
 SCENE = (ROOT / "warpfluid" / "exporting" / "blender_scene.py").read_text("utf-8")
 OTHERS = {"--python", "--upgrade", "--force-reinstall"}  # of Blender and pip
 OTHERS |= set(re.findall(r'add_argument\("(--[\w-]+)"', SCENE))  # of our script in Blender
+FIGURES = (ROOT / "examples" / "paper" / "common.py").read_text("utf-8")
+OTHERS |= set(re.findall(r'add_argument\("(--[\w-]+)"', FIGURES))  # of the paper's figures
 ALL_FLAGS = set().union(*map(flags, COMMANDS))
 
 
@@ -110,7 +113,7 @@ def test_every_page_is_in_the_index():
         page = found.pop()
         seen.add(page)
         links = re.findall(r"\]\(([^)\s#:]+\.md)[)#]", page.read_text("utf-8"))
-        found |= {(page.parent / link).resolve() for link in links} - seen
+        found |= {there for link in links if (there := (page.parent / link).resolve()).is_file()} - seen
     assert {path for path in PAGES.values() if path.is_relative_to(ROOT / "docs")} <= seen
 
 
@@ -274,6 +277,20 @@ def test_names_in_the_method_exist():
         parts = name.removesuffix(".py").split(".")
         if not name.endswith(".py"):
             assert re.search(rf"(?:def|class) {parts[-1]}\b|^    {parts[-1]}:", source, re.MULTILINE), name
+
+
+def test_reference_has_all_names():
+    """The public names are in the reference, and what is in the reference is there."""
+    import warpfluid as wf
+
+    found = set()
+    for page in (page for page in PAGES if page.startswith("docs/reference")):
+        for module, names in re.findall(r"<!-- autodoc ([\w.]+): ([\w, ]+) -->", PAGES[page].read_text("utf-8")):
+            assert all(hasattr(import_module(module), name) for name in names.split(", ")), (page, names)
+            found |= {name for name in names.split(", ") if module == "warpfluid"}
+    public = set(wf.__all__) - {"__version__"}
+    options = {name for name in public if name.endswith("Options")}  # these are on a page of their own
+    assert public - options == found
 
 
 def test_readme_in_python(tmp_path, monkeypatch):
