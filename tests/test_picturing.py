@@ -213,3 +213,62 @@ def test_motion_blur_wants_velocity(tmp_path, capsys):
 def test_no_place_for_the_pictures(clip, capsys):
     assert run("render", clip) == 2
     assert "add -o film.mp4" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("flags", [(), ("--turntable", "4", "--look", "smoke", "--stereo", "separate")])
+def test_two_processes_make_the_bits_of_one(clip, tmp_path, flags, capsys):
+    """Of numbered pictures, and of films."""
+    (tmp_path / "one").mkdir()
+    (tmp_path / "two").mkdir()
+    assert run("render", clip, "-o", tmp_path / "one" / "a.#.png", *flags, *SMALL) == 0
+    assert run("render", clip, "-o", tmp_path / "two" / "a.#.png", *flags, *SMALL, "--jobs", "2") == 0
+    assert "2 processes" in capsys.readouterr().err
+    one, two = (
+        {p.name: p.read_bytes() for p in (tmp_path / name).iterdir() if p.suffix == ".png"} for name in ("one", "two")
+    )
+    assert one == two
+    if not flags:
+        for name, jobs in (("one", "1"), ("two", "2")):
+            assert run("render", clip, "-o", tmp_path / name / "a.webp", *SMALL, "--jobs", jobs) == 0
+        assert (tmp_path / "one" / "a.webp").read_bytes() == (tmp_path / "two" / "a.webp").read_bytes()
+
+
+def test_resume_refuses_pictures_of_another_kind(clip, tmp_path, capsys):
+    """Other options are named; a frame whose volume has changed since is made again; strangers are, too."""
+    pattern = tmp_path / "a.#.png"
+    assert run("render", clip, "-o", pattern, "--frames", "1-2", *SMALL) == 0
+    before = {k: (tmp_path / f"a.{k}.png").stat().st_mtime_ns for k in (1, 2)}
+    assert run("render", clip, "-o", pattern, "--resume", *SMALL, "--angle", "30", "--exposure", "1") == 2
+    message = capsys.readouterr().err
+    assert "angle (was 0.0, now 30.0)" in message
+    assert "exposure (was 0.0, now 1.0)" in message
+    density = blob(7)
+    write_vdb(tmp_path / "fire.0002.vdb", {"density": density.swapaxes(1, 2)})
+    (tmp_path / "a.3.png").write_bytes(b"of another program")
+    assert run("render", clip, "-o", pattern, "--resume", *SMALL) == 0
+    assert "kept    1 pictures" in capsys.readouterr().err
+    assert (tmp_path / "a.1.png").stat().st_mtime_ns == before[1]
+    assert (tmp_path / "a.2.png").stat().st_mtime_ns != before[2]
+    assert read_image(tmp_path / "a.3.png").max() > 0.1
+
+
+def test_resume_needs_the_record(clip, tmp_path, capsys):
+    """Pictures that nobody can tell the origin of are not taken, and not replaced unasked."""
+    (tmp_path / "a.3.png").write_bytes(b"of another program")
+    assert run("render", clip, "-o", tmp_path / "a.#.png", "--resume", *SMALL) == 2
+    assert "no record of what its pictures were made with, a.png.jsonl" in capsys.readouterr().err
+    assert (tmp_path / "a.3.png").read_bytes() == b"of another program"
+
+
+def test_resume_after_half_a_line(clip, tmp_path):
+    """A picture whose record was not finished is made again; of the others nothing is lost."""
+    pattern = tmp_path / "a.#.png"
+    assert run("render", clip, "-o", pattern, *SMALL) == 0
+    record = tmp_path / "a.png.jsonl"
+    record.write_bytes(record.read_bytes()[:-30])
+    before = {k: (tmp_path / f"a.{k}.png").read_bytes() for k in (1, 2, 3)}
+    times = [(tmp_path / f"a.{k}.png").stat().st_mtime_ns for k in (1, 2)]
+    assert run("render", clip, "-o", pattern, "--resume", *SMALL) == 0
+    assert [(tmp_path / f"a.{k}.png").stat().st_mtime_ns for k in (1, 2)] == times
+    assert {k: (tmp_path / f"a.{k}.png").read_bytes() for k in (1, 2, 3)} == before
+    assert len(record.read_text().splitlines()) == 4

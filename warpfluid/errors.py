@@ -2,12 +2,29 @@
 
 import errno
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 
 MOST_LINES = 20  # of one error; a thousand damaged frames need no thousand lines
 
 
 class CannotWriteError(OSError):
     """What is made cannot be written: the disk is full, the folder is gone or protected."""
+
+
+@contextmanager
+def writing(path: str | Path) -> Iterator[None]:
+    """Tell errors of a file that is written from those of files that are read.
+
+    Raises:
+        CannotWriteError: In place of any OSError; it names the file.
+    """
+    try:
+        yield
+    except OSError as error:
+        reason = (error.strerror or str(error)).removeprefix("cannot write the file: ")
+        raise CannotWriteError(error.errno, f"cannot write the file: {reason}", str(error.filename or path)) from error
 
 
 class Problems(list):

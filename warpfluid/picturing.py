@@ -1,21 +1,25 @@
 """What ``warpfluid render`` does, once its flags are read."""
 
 import json
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from warpfluid.errors import Problems, describe
+import numpy as np
+
+from warpfluid.cluster.pools import Asked, open_pool
+from warpfluid.cluster.spread import Pool, single, spread
+from warpfluid.errors import CannotWriteError, Problems, describe
 from warpfluid.options import CameraOptions, LightOptions, RenderOptions
 from warpfluid.outcome import name_failures
 from warpfluid.progress import Progress
-from warpfluid.rendering.framing import cameras, decided, picture_size
+from warpfluid.rendering.framing import decided, picture_size
+from warpfluid.rendering.job import PictureJob
 from warpfluid.rendering.lamps import Lamps
 from warpfluid.rendering.output import Target
-from warpfluid.rendering.picture import Picture
+from warpfluid.rendering.records import PictureRecords, made_with
 from warpfluid.rendering.shots import Shot, check_target, make_shots
-from warpfluid.rendering.studio import Studio, make_studio, stand_ins
+from warpfluid.rendering.studio import make_studio, stand_ins
 from warpfluid.run import Run
 from warpfluid.simulation.outlines import Outlines
 from warpfluid.volumes import VolumeSequence, open_volumes
@@ -29,39 +33,22 @@ class Work:
     """Everything that takes part.
 
     Attributes:
-        volumes: What is shown.
-        camera: Where from.
-        studio: Takes the pictures.
-        target: Where they go.
+        job: Makes the pictures.
+        shots: All of them.
         log: Progress.
-        outlines: What stands in the run, if that is drawn.
+        records: What numbered pictures were made with.
+        hashes: Of the volumes by frame, for the records.
         failed: What went wrong, by picture.
         made: What was written, a record each.
     """
 
-    volumes: VolumeSequence
-    camera: CameraOptions
-    studio: Studio
-    target: Target
+    job: PictureJob
+    shots: list[Shot]
     log: Progress
-    outlines: Outlines | None = None
+    records: PictureRecords | None = None
+    hashes: dict[str, str] = field(default_factory=dict)
     failed: dict[str, str] = field(default_factory=dict)
     made: list[dict] = field(default_factory=list)
-
-    @property
-    def voxel_size(self) -> float:
-        """Edge of a voxel in units of the scene."""
-        lattice = self.volumes.lattice
-        return lattice.voxel_size if lattice else self.volumes.output.voxel_size
-
-    def eyes(self, shot: Shot, fields: dict) -> list[Picture]:
-        """Return the picture of a shot, or those of both eyes."""
-        lit = self.studio.light(fields, shot.number)
-        shape = fields["density"].shape
-        size = picture_size(shape, self.studio.options.size())
-        solids = self.outlines.at(shot.frame, shape) if self.outlines else ()
-        eyes = cameras(self.camera, shape, size, shot.number, shot.turned)
-        return [self.studio.shoot(lit, camera, shot.number, solids) for camera in eyes]
 
 
 def render(
@@ -73,6 +60,7 @@ def render(
     *,
     resume: bool = False,
     overwrite: bool = False,
+    jobs: str = "1",
     common,
 ) -> int:
     """Make pictures or a film of volumes; return the exit code."""
@@ -81,6 +69,7 @@ def render(
     log, problems = Progress(quiet=common.quiet), Problems()
     facts = {"separate": camera.stereo == "separate", "half": options.half, "deep": options.deep}
     target = problems.attempt(lambda: Target(path=out, **facts))
+    asked = problems.attempt(lambda: Asked(jobs=jobs, device=common.device))
     volumes = problems.attempt(_open, source, options)
     device = problems.attempt(pick_device, common.device)
     lamps = Lamps(light)
@@ -91,14 +80,32 @@ def render(
     shots = make_shots(volumes, options.frames, camera.turntable)
     check_target(target, shots, resume=resume, overwrite=overwrite)
     stands = Outlines(Run(Path(source).expanduser())) if light.bodies and volumes.document else None
-    facts = {"volumes": volumes, "camera": decided(camera, options), "outlines": stands}
-    work = Work(studio=studio, target=target, log=log, **facts)
-    _say(work, shots)
-    left = [shot for shot in shots if not (resume and all(file.exists() for file in target.files(shot.number)))]
+    job = PictureJob(volumes, decided(camera, options), studio, target, stands)
+    work = Work(job=job, shots=shots, log=log, **_records(target, volumes))
+    fields = _say(work)
+    about = made_with(camera, light, options, options.look or volumes.output.look, volumes.scale)
+    numbers = [shot.number for shot in shots]
+    kept = work.records.begin(about, work.hashes, numbers, resume=resume) if work.records else set()
+    left = [shot for shot in shots if shot.number not in kept]
     if len(left) < len(shots):
         log.line(f"kept    {len(shots) - len(left)} pictures that are there")
-    (_film if target.is_film else _stills)(work, left)
-    return _conclude(work, len(shots), common)
+    need = job.need(fields["density"].shape, len(fields))
+    try:
+        with open_pool(job, asked, device, tasks=len(left), need=need, progress=_nothing, say=log.line) as pool:
+            (_film if target.is_film else _stills)(work, left, pool)
+    except KeyboardInterrupt as stop:
+        way_out = "; the same command with --resume goes on" if target.is_numbered else ""
+        raise KeyboardInterrupt(f"stopped after {len(work.made)} of {len(left)} pictures{way_out}") from stop
+    return _conclude(work, common)
+
+
+def _records(target: Target, volumes: VolumeSequence) -> dict:
+    """Return where numbered pictures are noted, and the hashes of their volumes."""
+    return {"records": PictureRecords(target), "hashes": volumes.hashes()} if target.is_numbered else {}
+
+
+def _nothing(*_) -> None:
+    """A picture tells nothing before it is made."""
 
 
 def _open(source: str, options: RenderOptions) -> VolumeSequence:
@@ -120,84 +127,83 @@ def _brightest(volumes: VolumeSequence, frame: int) -> float:
         return 0.0
 
 
-def _pictures(work: Work, shots: list[Shot]) -> Iterator[tuple[Shot, list[Picture], float]]:
-    """Yield the pictures of shots, with the seconds that each took; what fails is noted and left out."""
-    frame, fields = None, {}
-    for count, shot in enumerate(shots):
-        begin = time.perf_counter()
-        try:
-            if shot.frame != frame:
-                frame, fields = None, {}
-                fields = work.volumes.fields(shot.frame, work.studio.names)
-                frame = shot.frame
-            eyes = work.eyes(shot, fields)
-        except KeyboardInterrupt as stop:
-            raise KeyboardInterrupt(f"stopped after {count} of {len(shots)} pictures") from stop
-        except (ValueError, OSError, MemoryError) as error:
-            work.failed[f"picture {shot.number}"] = describe(error)
-            continue
-        yield shot, eyes, begin
-
-
-def _stills(work: Work, shots: list[Shot]) -> None:
+def _stills(work: Work, shots: list[Shot], pool: Pool) -> None:
     """Write a file a picture."""
-    for shot, eyes, begin in _pictures(work, shots):
-        try:
-            files = work.target.write(shot.number, eyes, work.studio.screen, work.voxel_size)
-        except (ValueError, OSError) as error:
-            work.failed[f"picture {shot.number}"] = describe(error)
+    count = 0
+    for shot, outcome in spread(map(single, shots), pool):
+        count += 1
+        if not _note(work, shot, outcome) or work.records is None:
             continue
-        _note(work, shot, begin, ", ".join(file.name for file in files))
+        try:
+            work.records.add(outcome, work.hashes)
+        except CannotWriteError as error:
+            work.failed[work.records.path.name] = describe(error)
+            break
+    if count < len(shots):
+        work.failed["the other pictures"] = "not made, for what is written cannot be kept"
 
 
-def _film(work: Work, shots: list[Shot]) -> None:
+def _film(work: Work, shots: list[Shot], pool: Pool) -> None:
     """Write all pictures into one file."""
-
-    def frames() -> Iterator[tuple[float, list[Picture]]]:
-        for shot, eyes, begin in _pictures(work, shots):
-            _note(work, shot, begin, work.target.path.name)
-            yield shot.number, eyes
-        if not work.made:
-            raise ValueError("none of its pictures could be made")
-
-    rate = work.studio.options.fps or work.studio.rate
+    target, studio = work.job.target, work.job.studio
     try:
-        work.target.film(frames(), work.studio.screen, rate)
+        target.film(_in_order(work, shots, pool), studio.options.fps or studio.rate)
     except (ValueError, OSError) as error:
-        work.failed[str(work.target.path)] = describe(error)
+        work.failed[str(target.path)] = describe(error)
         work.made.clear()
 
 
-def _note(work: Work, shot: Shot, begin: float, name: str) -> None:
-    """Record a picture and say that it is made."""
-    seconds = time.perf_counter() - begin
-    work.made.append({"picture": shot.number, "frame": shot.frame, "file": name, "seconds": round(seconds, 3)})
-    work.log.line(f"picture {shot.number}  frame {shot.frame}, {seconds:.1f} s, {name}")
+def _in_order(work: Work, shots: list[Shot], pool: Pool) -> Iterator[np.ndarray]:
+    """Yield the pictures of a film one after the other, in whatever order they are made."""
+    there, place = {}, 0
+    for shot, outcome in spread(map(single, shots), pool):
+        there[shot.number] = outcome.pop("screen", None)
+        _note(work, shot, outcome)
+        while place < len(shots) and shots[place].number in there:
+            screen = there.pop(shots[place].number)
+            place += 1
+            if screen is not None:
+                yield screen
+    if not work.made:
+        raise ValueError("none of its pictures could be made")
 
 
-def _say(work: Work, shots: list[Shot]) -> None:
-    """Say what is made of what, judged by the first frame that can be read."""
-    for frame in dict.fromkeys(shot.frame for shot in shots):
+def _note(work: Work, shot: Shot, outcome: dict) -> bool:
+    """Record what came of a picture, and say it; return whether it is made."""
+    if "error" in outcome:
+        work.failed[f"picture {shot.number}"] = outcome["error"]
+        return False
+    work.made.append(outcome)
+    work.log.line(f"picture {shot.number}  frame {shot.frame}, {outcome['seconds']:.1f} s, {outcome['file']}")
+    return True
+
+
+def _say(work: Work) -> dict:
+    """Say what is made of what, judged by the fields of the first frame that can be read; return them."""
+    volumes, studio, fields = work.job.volumes, work.job.studio, {}
+    for frame in dict.fromkeys(shot.frame for shot in work.shots):
         try:
-            fields = work.volumes.fields(frame, work.studio.names)
+            fields = volumes.fields(frame, studio.names)
             break
         except (ValueError, OSError):
-            if frame == shots[-1].frame:
+            if frame == work.shots[-1].frame:
                 raise
-    if work.studio.options.motion_blur and "velocity" not in fields:
-        raise ValueError(f"motion-blur needs velocity, which {work.volumes.name} does not hold: leave it out")
+    if studio.options.motion_blur and "velocity" not in fields:
+        raise ValueError(f"motion-blur needs velocity, which {volumes.name} does not hold: leave it out")
     x, z, y = fields["density"].shape
-    width, height = picture_size((x, z, y), work.studio.options.size())
-    name = work.studio.look.name if work.studio.look else work.studio.ramp
-    work.log.line(f"source  {work.volumes.name}: {x}x{y}x{z} voxels, {len(work.volumes.frames)} frames")
-    work.log.notes(work.volumes.messages)
-    work.log.line(f"render  {len(shots)} pictures of {width}x{height}, look {name}, mode {work.studio.options.mode}")
-    work.log.notes(stand_ins(work.studio.look, fields) if work.studio.look else ())
+    width, height = picture_size((x, z, y), studio.options.size())
+    name = studio.look.name if studio.look else studio.ramp
+    work.log.line(f"source  {volumes.name}: {x}x{y}x{z} voxels, {len(volumes.frames)} frames")
+    work.log.notes(volumes.messages)
+    work.log.line(f"render  {len(work.shots)} pictures of {width}x{height}, look {name}, mode {studio.options.mode}")
+    work.log.notes(stand_ins(studio.look, fields) if studio.look else ())
+    return fields
 
 
-def _conclude(work: Work, count: int, common) -> int:
+def _conclude(work: Work, common) -> int:
+    path = work.job.target.path
     if common.json:
-        print(json.dumps({"out": str(work.target.path), "pictures": work.made, "failed": work.failed}))
+        print(json.dumps({"out": str(path), "pictures": work.made, "failed": work.failed}))
     else:
-        print(f"{work.target.path}: {len(work.made)} of {count} pictures")
+        print(f"{path}: {len(work.made)} of {len(work.shots)} pictures")
     return name_failures(work.failed, TRY_AGAIN)

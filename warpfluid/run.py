@@ -15,8 +15,9 @@ from pathlib import Path
 import numpy as np
 
 from warpfluid import __version__
-from warpfluid.errors import CannotWriteError, describe
+from warpfluid.errors import describe, writing
 from warpfluid.files.atomic import replacing
+from warpfluid.files.lines import append_line, read_lines
 from warpfluid.files.vdb import layout, lost_mass, read_vdb, write_vdb
 from warpfluid.options import OutputOptions
 from warpfluid.settings import Settings, check_same, join_frames, read_settings
@@ -186,10 +187,8 @@ class Run:
             **{name: grid.swapaxes(1, 2) for name, grid in (more or {}).items()},
         }
         place = {"voxel_size": size, "origin": (-(width - 1) / 2 * size, 0.5 * size, -(depth - 1) / 2 * size)}
-        try:
+        with writing(path):
             write_vdb(path, grids, **place, half=output.half, up=output.up, metadata={"frame": frame})
-        except OSError as error:
-            raise CannotWriteError(error.errno, error.strerror or str(error), str(path)) from error
         return record
 
     def add_record(self, record: dict) -> None:
@@ -199,17 +198,8 @@ class Run:
             CannotWriteError: If the file cannot be written.
         """
         path = self.folder / RECORDS
-        try:
-            with path.open("a+b") as file:
-                file.seek(max(file.seek(0, os.SEEK_END) - 1, 0))
-                half = file.read(1) not in (b"", b"\n")
-                file.write(b"\n" * half + json.dumps(record, allow_nan=False).encode() + b"\n")
-                file.flush()
-                os.fsync(file.fileno())
-        except OSError as error:
-            raise CannotWriteError(
-                error.errno, f"cannot write the file: {error.strerror or error}", str(path)
-            ) from error
+        with writing(path):
+            append_line(path, record)
 
     def _make_folder(self) -> None:
         try:
@@ -220,15 +210,7 @@ class Run:
 
     def _all_records(self) -> list[dict]:
         """Return the records in the order of the file, without lines that are none."""
-        path = self.folder / RECORDS
-        records = []
-        for line in path.read_bytes().splitlines() if path.exists() else ():
-            try:
-                record = json.loads(line)
-                records += [record] if isinstance(record["frame"], int) else []
-            except (ValueError, KeyError, TypeError):  # the run was stopped while it wrote this line
-                continue
-        return records
+        return [line for line in read_lines(self.folder / RECORDS) if isinstance(line.get("frame"), int)]
 
     def _keep_whole(self) -> dict[int, dict]:
         """Drop the records of frames that are missing or damaged, and return the others."""

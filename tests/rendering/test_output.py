@@ -74,7 +74,8 @@ def test_film_frame_by_frame(tmp_path, shape):
     images = [picture(shape) for _ in range(5)]
     for k, image in enumerate(images):
         image.color[...] = (0.2 + 0.1 * k + 0.2 * columns / shape[1] + 0.2 * rows / shape[0])[..., None]
-    Target(path=tmp_path / "a.mp4").film(((k, [image]) for k, image in enumerate(images)), screen, 25.0)
+    target = Target(path=tmp_path / "a.mp4")
+    target.film((target.screen(k, [image], screen) for k, image in enumerate(images)), 25.0)
     video = Video(tmp_path / "a.mp4")
     assert (video.count, video.rate) == (5, 25.0)
     assert video.size == (shape[1] + shape[1] % 2, shape[0] + shape[0] % 2)
@@ -89,7 +90,8 @@ def test_animations_frame_by_frame(tmp_path, ending):
     images = [picture((9, 5)) for _ in range(3)]
     for k, image in enumerate(images):
         image.color[...] = (0.8, 0.2 * k, 0.1)
-    Target(path=tmp_path / f"a.{ending}").film(((k, [image]) for k, image in enumerate(images)), screen, 10.0)
+    target = Target(path=tmp_path / f"a.{ending}")
+    target.film((target.screen(k, [image], screen) for k, image in enumerate(images)), 10.0)
     with Image.open(tmp_path / f"a.{ending}") as file:
         assert file.n_frames == 3
         for k, image in enumerate(images):

@@ -7,7 +7,7 @@ from typing import Annotated, get_args
 from cyclopts import Parameter
 
 from warpfluid.cli.app import app
-from warpfluid.cli.flags import COMMON, Common, make_flags
+from warpfluid.cli.flags import COMMON, Common, JobsFlag, make_flags
 from warpfluid.errors import Problems
 from warpfluid.options import CameraOptions, LightOptions, RenderOptions
 
@@ -27,6 +27,7 @@ def render(
     ] = None,
     resume: Annotated[bool, Parameter(negative=(), help="Keep the numbered pictures that are there")] = False,
     overwrite: Annotated[bool, Parameter(negative=(), help="Replace what is there")] = False,
+    jobs: JobsFlag = "1",
     picture: PictureFlags = NO_PICTURE,
     camera: CameraFlags = NO_CAMERA,
     light: LightFlags = NO_LIGHT,
@@ -42,4 +43,4 @@ def render(
         given = {name: value for name, value in asdict(flags).items() if value is not None}
         made.append(problems.attempt(lambda options=options, given=given: options(**given)))
     problems.raise_if_any()
-    return picturing.render(source, *made, out, resume=resume, overwrite=overwrite, common=common)
+    return picturing.render(source, *made, out, resume=resume, overwrite=overwrite, jobs=jobs, common=common)

@@ -103,6 +103,13 @@ def has_number(pattern: str | Path) -> bool:
     return bool(_TOKEN.search(Path(pattern).name))
 
 
+def before_number(pattern: str | Path) -> str:
+    """Return what a name has before its number, or before its ending: ``a`` of ``a.####.png``."""
+    path = Path(pattern)
+    token = _TOKEN.search(path.name)
+    return path.name[: token.start() if token else len(path.stem)].rstrip("._-")
+
+
 def insert_word(pattern: str | Path, word: str) -> Path:
     """Return a name with a word before its number, or before its ending: ``a.left.####.png``."""
     path = Path(pattern)

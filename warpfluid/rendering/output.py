@@ -1,6 +1,6 @@
 """Where pictures go: numbered files, one still or a film, as the ending of a name says."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 
@@ -85,16 +85,25 @@ class Target:
                 write_png(file, quantize(screen(picture, number), 16 if self.deep else 8))
         return files
 
-    def film(self, pictures: Iterable[tuple[float, Sequence[Picture]]], screen: Screen, rate: float) -> None:
-        """Write all pictures, each with its number, into one film.
+    def screen(self, number: float, eyes: Sequence[Picture], screen: Screen) -> np.ndarray:
+        """Return a picture of a film, uint8 (rows, columns, 3)."""
+        return quantize(screen(side_by_side(eyes), number))
+
+    def film(self, screens: Iterable[np.ndarray], rate: float) -> None:
+        """Write all pictures into one film.
+
+        Args:
+            screens: What ``screen`` returns, one after the other.
+            rate: Frames a second.
 
         Raises:
+            ValueError: If there is no picture.
             OSError: If the file cannot be written.
         """
         from warpfluid.files.video import write_animation, write_video
 
         write = write_video if self.path.suffix.lower() == ".mp4" else write_animation
-        write(self.path, _screens(pictures, screen), rate)
+        write(self.path, screens, rate)
 
 
 def layers(picture: Picture, unit: float) -> dict[str, np.ndarray]:
@@ -121,8 +130,3 @@ def side_by_side(eyes: Sequence[Picture]) -> Picture:
     if len(eyes) == 1:
         return eyes[0]
     return Picture(*(np.concatenate([getattr(eye, f.name) for eye in eyes], axis=1) for f in fields(Picture)))
-
-
-def _screens(pictures: Iterable[tuple[float, Sequence[Picture]]], screen: Screen) -> Iterator[np.ndarray]:
-    for number, eyes in pictures:
-        yield quantize(screen(side_by_side(eyes), number))
