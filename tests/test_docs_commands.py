@@ -1,5 +1,6 @@
 """Every command that a page shows runs, page by page: as shown, but for sizes and lengths that take their time."""
 
+import re
 import shlex
 import shutil
 from pathlib import Path
@@ -64,10 +65,9 @@ def made(tmp_path_factory) -> Path:
 def make_footage(folder: Path, name: str) -> None:
     """Write a clip of 60 frames, and pictures 1001 and 1002 beside it."""
     angle = int(name in ("side", "right"))
-    large = [flame(frame, angle, 96, 72).repeat(10, 0).repeat(10, 1) for frame in range(2)]
+    pictures = [flame(frame, angle, 96, 72)[..., None].repeat(3, axis=2) for frame in range(2)]
     count = 60 if name in ("front", "right") else 2
-    clip = (np.repeat(large[frame % 2][..., None], 3, axis=2) for frame in range(count))
-    write_video(folder / f"{name}.mp4", clip, 24)
+    write_video(folder / f"{name}.mp4", (pictures[frame % 2] for frame in range(count)), 24)
     for frame in (1001, 1002):
         light = flame(frame, angle, WIDTH, HEIGHT).astype(np.float32) / 255
         write_exr(folder / f"{name}.{frame}.exr", dict.fromkeys("RGB", light))
@@ -101,13 +101,16 @@ def small(line: str) -> list[str]:
     for at, word in enumerate(words[:-1]):
         if word == "--frames":
             words[at + 1] = few_frames(command, words)
+        elif word == "--crop":
+            words[at + 1] = re.sub(r"\d+", lambda number: str(int(number[0]) // 10), words[at + 1])  # clips are 96 x 72
         elif word in SMALL:
             words[at + 1] = "16x16" if command == "render" and word == "--resolution" else SMALL[word]
     added = ADDED.get(command, {})
-    if {"--config", "--resume"} & set(words):
-        added = QUICK if command == "reconstruct" else {}
-    elif command == "inspect" and not words[0].startswith("-"):
+    of_files = command == "inspect" and not words[0].startswith("-")
+    if of_files or (command == "simulate" and "--resume" in words):
         added = {}
+    elif "--config" in words:
+        added = PLAIN | (QUICK if command == "reconstruct" else {})
     elif "--preset" in words:
         added = added | {"--preroll": "0"}
     return [command, *words, *spelt({flag: value for flag, value in added.items() if flag not in words}), "-q"]
