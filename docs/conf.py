@@ -71,9 +71,11 @@ def toctrees(text: str) -> str:
     """Return hidden tables of contents: the pages that the tables of a page begin with, a part for each heading."""
     found = []
     for part in re.split(r"^## ", text, flags=re.MULTILINE)[1:]:
-        pages = [
-            f"{title} <{page}>" for title, page in re.findall(r"^\| \[(.+?)\]\(([\w/-]+\.md)\)", part, re.MULTILINE)
-        ]
+        links = re.findall(r"^\| \[(.+?)\]\(([\w/-]+)\.md\)", part, re.MULTILINE)
+        pages = [f"{title} <{page}>" for title, page in links]
+        if any(page.startswith("paper/") for _, page in links):  # the others of that folder follow
+            others = {f"paper/{page.stem}" for page in (HERE / "paper").glob("*.md")}
+            pages += sorted(others - {page for _, page in links})
         if pages:
             options = [":hidden:", f":caption: {part.splitlines()[0]}"]
             found.append("\n".join(["```{toctree}", *options, "", *pages, "```"]))
