@@ -31,7 +31,7 @@ def reconstruct(
     view: ViewFlag = None,
     front: FrontFlag = None,
     side: SideFlag = None,
-    out: Annotated[Path | None, Parameter(name=["--out", "-o"], help="Folder of the run")] = None,
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"], help="Folder of the run; needed")] = None,
     paper: PaperFlag = False,
     config: ConfigFlag = None,
     resume: Annotated[bool, Parameter(negative=(), help="Continue a run: frames that are there are kept")] = False,

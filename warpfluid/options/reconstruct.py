@@ -35,7 +35,7 @@ class InputOptions:
         Literal["none", "srgb", "rec709"],
         "Tone curve to undo before the luminance is taken; float images are linear already",
     ] = "none"
-    black_level: Annotated[float, "Grey level of the empty background, taken off every pixel [0-255]"] = 0.0
+    black_level: Annotated[float, "Grey level of the empty background, taken off every pixel [0-254]"] = 0.0
     background: Annotated[
         str | None, "Picture of the empty set to take off, or `median` for the median over the frames"
     ] = None
