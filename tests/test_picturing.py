@@ -133,6 +133,7 @@ def test_resume_makes_what_is_missing(clip, tmp_path, capsys):
     assert run("render", clip, "-o", pattern, *SMALL) == 2
     assert "--overwrite" in capsys.readouterr().err
     assert run("render", clip, "-o", pattern, "--resume", *SMALL) == 0
+    assert "3 of 3 pictures" in capsys.readouterr().out
     assert gone.read_bytes() == before
     assert kept.stat().st_mtime_ns == age
 
@@ -175,11 +176,17 @@ def test_a_look_of_ones_own(clip, tmp_path):
     assert picture[..., :2].max() == 0
 
 
+def test_the_folder_is_made(clip, tmp_path):
+    """As the folders of runs and exports are."""
+    assert run("render", clip, "-o", tmp_path / "new" / "deep" / "a.png", "--frames", "1", *SMALL) == 0
+    assert (tmp_path / "new" / "deep" / "a.png").is_file()
+
+
 @pytest.mark.parametrize(
     ("flags", "words"),
     [
         (("--frames", "9"), "frames 9 are not there"),
-        (("-o", "none/a.png"), "is no folder"),
+        (("-o", "mine.json/a.png"), "cannot be a folder, there is a file"),
         (("-o", "a.tif"), "unknown kind"),
         (("-o", "all.png"), "is one picture, and there are 3"),
         (("-o", "a.mp4", "--resume"), "a film is written in one piece"),

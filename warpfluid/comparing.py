@@ -8,10 +8,10 @@ from pathlib import Path
 from warpfluid.comparison.comparison import Comparison, compare_entries
 from warpfluid.comparison.entries import Entry, common_frames, make_entries, same_units
 from warpfluid.comparison.film import FILMS, SHEET, write_film, write_sheet
-from warpfluid.footage.origin import Footage, find_footage, find_reconstruction
 from warpfluid.comparison.text import comparison_lines
 from warpfluid.errors import Problems, describe
 from warpfluid.files.sequences import parse_frames
+from warpfluid.footage.origin import Footage, find_footage, find_reconstruction
 from warpfluid.footage.sources import spread
 from warpfluid.metrics import SMALLEST_SIDE
 from warpfluid.options import CompareOptions

@@ -79,6 +79,7 @@ def render(
     studio = make_studio(options, lamps, volumes.output.look, device, rate=rate)
     shots = make_shots(volumes, options.frames, camera.turntable)
     check_target(target, shots, resume=resume, overwrite=overwrite)
+    target.make_folder()
     stands = Outlines(Run(Path(source).expanduser())) if light.bodies and volumes.document else None
     job = PictureJob(volumes, decided(camera, options), studio, target, stands)
     work = Work(job=job, shots=shots, log=log, **_records(target, volumes))
@@ -96,7 +97,7 @@ def render(
     except KeyboardInterrupt as stop:
         way_out = "; the same command with --resume goes on" if target.is_numbered else ""
         raise KeyboardInterrupt(f"stopped after {len(work.made)} of {len(left)} pictures{way_out}") from stop
-    return _conclude(work, common)
+    return _conclude(work, len(shots) - len(left), common)
 
 
 def _records(target: Target, volumes: VolumeSequence) -> dict:
@@ -200,10 +201,10 @@ def _say(work: Work) -> dict:
     return fields
 
 
-def _conclude(work: Work, common) -> int:
+def _conclude(work: Work, kept: int, common) -> int:
     path = work.job.target.path
     if common.json:
         print(json.dumps({"out": str(path), "pictures": work.made, "failed": work.failed}))
     else:
-        print(f"{path}: {len(work.made)} of {len(work.shots)} pictures")
+        print(f"{path}: {kept + len(work.made)} of {len(work.shots)} pictures")
     return name_failures(work.failed, TRY_AGAIN)

@@ -48,13 +48,13 @@ def simulate(
     from warpfluid.device import pick_device
 
     log, run, problems = Progress(quiet=common.quiet), Run(out), Problems()
+    _check_other(asked.source, out)
     problems.attempt(lambda: run.check_free(resume=resume, overwrite=overwrite))
     device = problems.attempt(pick_device, common.device)
     made = problems.attempt(_settle, asked, paper, config)
     problems.raise_if_any()
     settings, source = made
-    if settings.source and Path(settings.source).expanduser().resolve() == out.resolve():
-        raise ValueError(f"{out} is the source itself: choose another folder with -o")
+    _check_other(settings.source, out)
     frames = _frames(_joined(run, settings.simulate.frames) if resume else settings.simulate.frames, source)
     volumes = source.volumes
     facts = {"device": str(device), "angles": list(volumes.angles_deg), "scale": volumes.scale}
@@ -66,6 +66,11 @@ def simulate(
     failed = _animate(run, settings, source, frames, device, resume and _continues(run, frames, kept), log)
     failed |= _summarize(run, settings, source, device, log)
     return conclude(run, frames, failed, as_json=common.json)
+
+
+def _check_other(source: str | None, out: Path) -> None:
+    if source and Path(source).expanduser().resolve() == out.resolve():
+        raise ValueError(f"{out} is the source itself: choose another folder with -o")
 
 
 def show_presets(common) -> int:

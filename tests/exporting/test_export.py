@@ -71,8 +71,17 @@ def test_z_up(tmp_path, source, form):
     if form != "vti":
         raw = READERS[form](tmp_path / "out" / f"density.0002.{form}", up="z")
         assert seen(raw) == original(2)
-    again = open_volumes(tmp_path / "out", up="z", unchecked=True)
-    assert seen(again.read(2)) == original(2)
+    assert seen(open_volumes(tmp_path / "out", unchecked=True).read(2)) == original(2)  # export.json tells the axis
+    (tmp_path / "out" / "export.json").unlink()
+    assert seen(open_volumes(tmp_path / "out", up="z", unchecked=True).read(2)) == original(2)
+
+
+def test_the_look_goes_along(tmp_path):
+    """Exported smoke is shown as smoke, not as fire."""
+    flags = ("--size", "12x16", "--emitter", "sphere radius=1", "--look", "smoke", "--frames", "1-2", "--no-turntable")
+    assert run("simulate", *flags, "--no-report", "--device", "cpu", "-q", "-o", tmp_path / "run") == 0
+    assert run("export", tmp_path / "run", "-o", tmp_path / "out", "-q") == 0
+    assert open_volumes(tmp_path / "out", unchecked=True).output.look == "smoke"
 
 
 def test_half(tmp_path, source):

@@ -126,10 +126,11 @@ def test_layers_are_named_as_compositors_expect():
         ("a", {}, "unknown kind"),
         ("a.##.mp4", {}, "needs no frame number"),
         ("a.mp4", {"separate": True}, "choose --stereo side-by-side"),
-        ("none/a.png", {}, "is no folder"),
+        ("file/a.png", {}, "cannot be a folder, there is a file"),
         ("a.##.##.png", {}, "one place for the frame number"),
     ],
 )
 def test_names_that_no_picture_can_have(tmp_path, name, facts, words):
+    (tmp_path / "file").touch()
     with pytest.raises(ValueError, match=words):
         Target(path=tmp_path / Path(name), **facts)

@@ -4,7 +4,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 
 from warpfluid.comparison.entries import Entry
-from warpfluid.footage.origin import Footage
 from warpfluid.comparison.measure import (
     ASIDE_DEG,
     Numbers,
@@ -19,6 +18,7 @@ from warpfluid.comparison.measure import (
     views_of,
 )
 from warpfluid.comparison.motion import motion_against_footage, motion_against_truth
+from warpfluid.footage.origin import Footage
 
 
 @dataclass(frozen=True, kw_only=True)

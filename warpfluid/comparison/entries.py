@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from warpfluid.footage.origin import find_origin
 from warpfluid.errors import Problems
 from warpfluid.files.sequences import format_frames
+from warpfluid.footage.origin import find_origin
 from warpfluid.volumes import VolumeSequence
 
 

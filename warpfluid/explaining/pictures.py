@@ -81,7 +81,7 @@ def explain_video(path: Path) -> dict:
 
 def _range(pixels: np.ndarray) -> dict:
     finite = np.isfinite(pixels)
-    bad = int(finite.size - np.count_nonzero(finite))
     sound = pixels[finite].astype(np.float64)
-    warnings = [f"{bad} values are NaN or infinite"] if bad else []
+    unknown = int(np.count_nonzero(np.isnan(pixels)))  # infinite is where there is nothing, in a layer of depth
+    warnings = [f"{unknown} values are NaN"] if unknown else []
     return {"range": [float(sound.min()), float(sound.max())] if sound.size else None, "warnings": warnings}

@@ -8,8 +8,8 @@ from warpfluid import __version__
 from warpfluid.files.atomic import replacing
 from warpfluid.options import ExportOptions
 from warpfluid.run import SETTINGS
+from warpfluid.volumes import EXPORT
 
-NAME = "export.json"
 FREE = {"frames"}  # may differ when an export is continued
 
 
@@ -21,7 +21,7 @@ class Record:
     """
 
     def __init__(self, folder: Path):
-        self.path = folder / NAME
+        self.path = folder / EXPORT
         self.content: dict = {}
 
     def begin(self, source: Path, options: ExportOptions, facts: dict, *, resume: bool, overwrite: bool) -> None:

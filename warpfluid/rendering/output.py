@@ -44,8 +44,9 @@ class Target:
         if self.is_film and self.is_numbered:
             raise ValueError(f"{self.path} is a film, which needs no frame number: leave it out")
         numbered_path(self.path, 1)
-        if not self.path.absolute().parent.is_dir():
-            raise ValueError(f"{self.path.parent} is no folder: make it first, or choose another name with -o")
+        folder = self.path.absolute().parent
+        if not next(there for there in (folder, *folder.parents) if there.exists()).is_dir():
+            raise ValueError(f"{self.path.parent} cannot be a folder, there is a file: choose another name with -o")
 
     @property
     def is_film(self) -> bool:
@@ -56,6 +57,14 @@ class Target:
     def is_numbered(self) -> bool:
         """Whether each picture has a file."""
         return has_number(self.path)
+
+    def make_folder(self) -> None:
+        """Make the folder that the files go into.
+
+        Raises:
+            OSError: If it cannot be made.
+        """
+        self.path.absolute().parent.mkdir(parents=True, exist_ok=True)
 
     def files(self, number: int) -> list[Path]:
         """Return the files of a picture: one, or one an eye."""

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from warpfluid.comparison.comparison import other_moment
-from warpfluid.footage.origin import Footage, find_footage
 from warpfluid.comparison.measure import against_footage, as_given, halfway, mean_numbers, upright
 from warpfluid.comparison.motion import motion_against_footage
 from warpfluid.errors import describe
 from warpfluid.footage.estimate import SHOWN_FRAMES
+from warpfluid.footage.origin import Footage, find_footage
 from warpfluid.footage.sources import spread
 from warpfluid.options import SimulateOptions
 from warpfluid.projector import Projector

@@ -3,10 +3,11 @@
 from warpfluid.volumes.find import ENDINGS, find_volumes
 from warpfluid.volumes.lattice import Lattice, join, lattice_of, lit_part
 from warpfluid.volumes.reading import file_facts, read_density, read_grids
-from warpfluid.volumes.sequence import VolumeSequence, open_volumes
+from warpfluid.volumes.sequence import EXPORT, VolumeSequence, open_volumes
 
 __all__ = [
     "ENDINGS",
+    "EXPORT",
     "Lattice",
     "VolumeSequence",
     "file_facts",

@@ -1,5 +1,6 @@
 """A sequence of volumes, whoever wrote it."""
 
+import json
 from collections.abc import Collection
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -17,6 +18,7 @@ from warpfluid.volumes.reading import checked_density, file_facts, read_density,
 
 ANGLES_DEG = (0.0, 90.0)  # that volumes of other programs are seen from
 DENSITY = "density"
+EXPORT = "export.json"  # of ``warpfluid export``
 WHITE = 255.0
 
 
@@ -149,6 +151,8 @@ def open_volumes(
     files = find_volumes(path)
     first = next(iter(files.values()))
     density, messages = _find_density(first, file_facts(first), grid)
+    noted = _noted(first.parent)
+    up = noted.get("up", up) if up == "y" else up
     facts = {frame: _facts_or_none(file) for frame, file in files.items()}
     sequence = VolumeSequence(
         name=str(name),
@@ -157,6 +161,7 @@ def open_volumes(
         up=up,
         lattice=_common(files, facts, density, up),
         messages=messages,
+        output=replace(OutputOptions(), look=noted.get("look") or OutputOptions().look),
     )
     if unchecked:
         return sequence
@@ -182,6 +187,15 @@ def _open_run(run: Run, name: str, grid: str | None) -> VolumeSequence:
         document=document,
         density_name=grid or DENSITY,
     )
+
+
+def _noted(folder: Path) -> dict:
+    """Return what our own export says of its folder, and its files do not: the up axis, and the look of the source."""
+    try:
+        noted = json.loads((folder / EXPORT).read_text("utf-8"))
+        return {"up": str(noted["up"]), "look": noted["look"]} if noted["up"] in ("y", "z") else {}
+    except (OSError, ValueError, KeyError, TypeError):
+        return {}
 
 
 def _facts_or_none(path: Path) -> list[GridFacts]:
