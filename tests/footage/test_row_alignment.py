@@ -68,6 +68,14 @@ def test_aligned_views_are_left_alone(noise):
         assert (found.time, found.shift, found.scale, found.gain) == (0, 0, 1, 1)
 
 
+def test_what_gains_little_is_not_done():
+    """Views that disagree by their nature are not moved for a twentieth of it."""
+    wavy = 1 + 0.2 * np.sin(np.arange(ROWS) / 3 + np.arange(STEPS)[:, None] / 2)
+    found = match_row_sums(REFERENCE, REFERENCE * wavy, subframe=True)
+    assert 0.08 < found.disagreement < 0.3
+    assert (found.time, found.shift, found.scale) == (0, 0, 1)
+
+
 def test_haze_over_all_rows_does_not_mislead():
     """What a grey background adds to one view changes neither gain nor place."""
     found = match_row_sums(REFERENCE, other(2, 1.5, 1.0, 1.3) + 150)

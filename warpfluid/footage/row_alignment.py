@@ -2,7 +2,7 @@
 
 Light that no medium absorbs has the same total in every image row of every view, at every moment. The picture of these
 totals over time is cross-correlated with that of the other view on a grid of offsets, shifts and sizes; the best of
-them are refined, and of what fits as well the simplest is taken: a steady flame fits at any time.
+them are refined, and whatever is done to the view must be worth its while: a steady flame fits at any time.
 """
 
 from collections.abc import Iterator
@@ -10,13 +10,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from warpfluid.footage.row_pair import ALMOST_NOTHING, AS_GOOD, LARGEST_SHIFT, Match, RowPair, correlations
+from warpfluid.footage.row_pair import ALMOST_NOTHING, LARGEST_SHIFT, Match, RowPair, correlations
 
 FEWEST_FRAMES = 8
 SIZES = 1 + 0.03 * np.arange(-4, 5)  # tried first
 LARGEST_SIZE = 0.15  # more or less
 MOST_ROWS = 400  # finer ones are averaged
 CONTENDERS = 5  # other offsets in time that are refined
+WORTH = 0.05  # share of the disagreement that a move must take away
 FLAT = 0.03  # standard deviation of row sums over their mean
 LEAST_CORRELATION = 0.85
 MOST_DISAGREEMENT = 0.35
@@ -42,12 +43,13 @@ def match_row_sums(
     bins = max(1, -(-reference.shape[1] // MOST_ROWS))
     pair = RowPair(*(_averaged(values, bins) for values in (reference, sums)))
     fixed = fixed | ({"shift": fixed["shift"] / bins} if "shift" in fixed else {})
-    found = [_refine(pair, start, fixed) for start in _contenders(pair, fixed)]
-    found = _simplest(found, lambda match: abs(match.time))
+    models = [{"shift", "scale"}, {"shift"}, {"scale"}, set()]
+    found = min(
+        (_refine(pair, start, fixed, free) for start in _contenders(pair, fixed) for free in models), key=_score
+    )
     if subframe and "time" not in fixed:
-        found = _simplest([found, _refine(pair, found, fixed, subframe=True)], lambda match: match.time % 1 != 0)
-    plain = [_refine(pair, found, {"time": found.time} | kept | fixed) for kept in _plainer()]
-    found = _simplest([found, *plain], lambda match: (match.scale != 1) + (match.shift != 0))
+        parts = [_refine(pair, found, fixed, free | {"time"}) for free in models if "shift" in free or not free]
+        found = min([found, *parts], key=_score)
     _check_found(found, pair)
     return replace(pair.whole(found), shift=found.shift * bins)
 
@@ -77,14 +79,20 @@ def _shifts(pair: RowPair, fixed: dict[str, float]) -> np.ndarray:
     return np.arange(-int(pair.highest), int(pair.highest) + 1)
 
 
-def _refine(pair: RowPair, start: Match, fixed: dict[str, float], *, subframe: bool = False) -> Match:
-    """Return the match with the least disagreement near a first one; its time stays unless parts are wanted."""
+def _refine(pair: RowPair, start: Match, fixed: dict[str, float], free: set[str]) -> Match:
+    """Return the match with the least disagreement near a first one, in what is free; the rest is left undone.
+
+    Args:
+        pair: What is compared.
+        start: Its time stays unless that is free.
+        fixed: What is known.
+        free: Names that may change, those that are not known.
+    """
     from scipy.optimize import minimize
 
-    start = replace(start, **fixed)
-    size = len(pair.reference[0]) / 2  # rows that move by one when the scale changes by 1 / size
-    free = [name for name in ("shift", "scale") if name not in fixed] + ["time"] * subframe
-    units = {"shift": 1.0, "scale": 1 / size, "time": 0.5}
+    start = replace(start, **{name: NOTHING[name] for name in {"shift", "scale"} - free} | fixed)
+    free = sorted(free - set(fixed))
+    units = {"shift": 1.0, "scale": 2 / len(pair.inner), "time": 0.5}  # of about one row each
     if not free:
         return pair.measured(start)
 
@@ -102,19 +110,10 @@ def _refine(pair: RowPair, start: Match, fixed: dict[str, float], *, subframe: b
     return pair.measured(at(minimize(cost, simplex[0], method="Nelder-Mead", options=limits).x))
 
 
-def _plainer() -> list[dict[str, float]]:
-    """Return what is tried without: a change of size, a shift, both."""
-    shift, scale = ({name: NOTHING[name]} for name in ("shift", "scale"))
-    return [scale, shift, shift | scale]
-
-
-def _simplest(matches: list[Match], rank) -> Match:
-    """Return the match of the lowest rank among those that fit about as well as the best."""
-    enough = AS_GOOD * min(match.disagreement for match in matches) + ALMOST_NOTHING
-    return min(
-        (m for m in matches if m.disagreement <= enough),
-        key=lambda match: (rank(match), match.disagreement),
-    )
+def _score(match: Match) -> float:
+    """Return the disagreement, and a little for everything that is done to the view: it must be worth its while."""
+    done = sum(getattr(match, name) != nothing for name, nothing in NOTHING.items())
+    return match.disagreement * (1 + WORTH * done) + ALMOST_NOTHING * done
 
 
 def _averaged(values: np.ndarray, bins: int) -> np.ndarray:
