@@ -2,14 +2,13 @@
 Fig. 4: the steerable pyramid
 =============================
 
-Four scales of four orientations of a picture of the synthetic fire, the finest residual left out as in the paper.
+Four scales of four orientations of a picture of the packaged fire, the finest residual left out as in the paper.
 Example 03 explains the pyramid; here it is checked on this picture.
 """
 
 import numpy as np
-from common import pick, project, save, tell
-from gallery import band_shown, captioned, in_a_row, panel, shown, stack
-from scenes import truth
+from common import pick, save, tell
+from gallery import band_shown, captioned, in_a_row, panel, sample, shown, stack
 
 from warpfluid.reconstruction.pyramid import LOWPASS, SteerablePyramid
 
@@ -18,7 +17,7 @@ HEIGHT = pick(2, 4, 4)
 # %%
 # Columns are orientations. Coarse scales are enlarged to the size of the finest.
 
-image = project(truth("fire"), [0])[0]
+image = sample(width=pick(32, 96, 96)).images[0]
 pyramid = SteerablePyramid(image.shape, HEIGHT)
 bands = pyramid.build(image)
 rows = [

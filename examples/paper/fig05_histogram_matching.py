@@ -7,21 +7,19 @@ between theirs. Example 04 explains it; here the distances are measured in bins,
 """
 
 import numpy as np
-from common import model, pick, project, save, tell, views_of
-from gallery import band_shown, panel, plot
-from scenes import truth
+from common import model, pick, project, save, tell
+from gallery import band_shown, panel, plot, sample
 
 from warpfluid.reconstruction.histogram import density_mixture, match, rank_grid
 from warpfluid.reconstruction.pyramid import SteerablePyramid
 
-KEY, BINS = pick((0, 3), (2, 3), (2, 3)), 24
+KEY, BINS = pick((0, 3), (2, 3), (2, 3)), 32
 ANGLES, AT = (0, 30, 90), 30
 
 # %%
 # The inputs' sub-bands, the one of least squares rendered at 30 degrees, and what matching makes of it.
 
-true = truth("fire")
-views = views_of(true, (0, 90))
+views = sample(width=pick(32, 96, 96))
 images = [views.images[0], project(model(views, "LSM")["volume"], [AT])[0], views.images[1]]
 pyramid = SteerablePyramid(views.size, KEY[0] + 1)
 p, q, r = (pyramid.build(image)[KEY] for image in images)
@@ -46,7 +44,7 @@ tell("fig05", rows)
 # %%
 # Bands, and the tails of their histograms.
 
-zoom = 2 ** (KEY[0] + 1)
+zoom = 2 ** KEY[0]
 pictures = {"0 degrees": p, "30, rendered": q, "30, matched": matched, "90 degrees": r}
 middle = (edges[1:] + edges[:-1]) / 2
 tail = middle > 0.08 * reach
