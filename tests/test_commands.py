@@ -13,6 +13,7 @@ from tiny import BARE, flame, footage, numbers, pair, quick, run, volumes
 
 from warpfluid.files.exr import write_exr
 from warpfluid.files.npz import read_npz
+from warpfluid.reconstruction import sequence
 from warpfluid.run import Run
 
 FRAMES = range(1001, 1005)
@@ -84,7 +85,41 @@ def test_changed_footage_is_noticed(tmp_path, flags, unbroken, capsys):
     footage(tmp_path / "new", [1002], angle=7)
     os.replace(tmp_path / "new" / "fire.1002.png", tmp_path / "side" / "fire.1002.png")
     assert run("reconstruct", *flags, "-o", unbroken, "--resume") == 2
-    assert "the footage at 90 degrees" in capsys.readouterr().err
+    assert "the footage at 90 degrees of frame 1002;" in capsys.readouterr().err
+
+
+def test_footage_that_grows(tmp_path, flags, unbroken):
+    """Pictures that come later do not keep a run from going on; it ends as if they had been there from the begin."""
+    for angle, name in enumerate(("front", "side")):
+        footage(tmp_path / "new", range(1005, 1007), angle=angle)
+        for picture in (tmp_path / "new").iterdir():
+            picture.rename(tmp_path / name / picture.name)
+        (tmp_path / "new").rmdir()
+    assert run("reconstruct", "-o", unbroken, "--resume") == 0
+    assert run("reconstruct", *flags, "-o", tmp_path / "whole") == 0
+    assert len(volumes(unbroken)) == 6
+    assert volumes(unbroken) == volumes(tmp_path / "whole")
+
+
+def test_a_frame_that_failed_and_those_after_it(tmp_path, flags, unbroken, monkeypatch, capsys):
+    """When it is made at last, those that could not start from it are made again: the bits of an unbroken run."""
+    whole, model = volumes(unbroken), sequence.FrameJob._model
+
+    def fail(job, frame, *rest):
+        if frame == 1002:
+            raise RuntimeError("out of luck")
+        return model(job, frame, *rest)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(sequence.FrameJob, "_model", fail)
+        assert run("reconstruct", *flags, "-o", tmp_path / "run") == 1
+    assert numbers(tmp_path / "run") == [1001, 1003, 1004]
+    assert volumes(tmp_path / "run")["density.1003.vdb"] != whole["density.1003.vdb"]
+    capsys.readouterr()
+    assert run("reconstruct", "-o", tmp_path / "run", "--resume") == 0
+    assert "frames 1003-1004 are made again" in capsys.readouterr().err
+    assert volumes(tmp_path / "run") == whole
+    assert numbers(tmp_path / "run") == list(FRAMES)
 
 
 def test_a_run_in_parts(tmp_path, flags, unbroken):

@@ -68,7 +68,7 @@ def test_a_run_is_not_lost_by_accident(run):
         (settings(views=("0=/a", "90=/c")), FACTS, r"views \(were 0=/a 90=/b, now 0=/a 90=/c\)"),
         (settings(views=("0=/a",)), FACTS, "views"),
         (settings(output=OutputOptions(half=True)), FACTS, r"half \(was False, now True\)"),
-        (settings(), {"inputs": {"0": "abc", "90": "other"}}, "the footage at 90 degrees"),
+        (settings(), {"inputs": {"0": "abc", "90": "other"}}, "the background of the view at 90 degrees"),
     ],
 )
 def test_a_run_is_continued_only_as_it_was_begun(run, changed, facts, words):

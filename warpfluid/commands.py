@@ -12,7 +12,7 @@ from warpfluid.footage.inspection import Inspection, inspect_shot, write_views_p
 from warpfluid.footage.shot import Shot, open_shot
 from warpfluid.outcome import conclude, do_all
 from warpfluid.progress import Progress
-from warpfluid.reconstructing import Work, reconstruct_frames
+from warpfluid.reconstructing import Work, check_footage, frames_to_make, reconstruct_frames
 from warpfluid.run import FILM, PAGE, Run
 from warpfluid.settings import Settings, make_settings
 
@@ -43,13 +43,13 @@ def reconstruct(
     check_memory(inspection.memory_bytes, shot.size[0], device)
     footage = dataclasses.replace(shot.options, white=shot.white or settings.input.white)
     settings = dataclasses.replace(settings, input=footage, reconstruct=inspection.options)
-    facts = {"device": str(device), "inputs": shot.hashes()}
+    if resume:
+        check_footage(run, shot, settings)
+    facts = {"device": str(device), "inputs": shot.background_hashes()}
     done = run.begin(settings, facts, resume=resume, overwrite=overwrite)
     for line in inspection.lines():
         log.line(line)
-    frames = [frame for frame in shot.frames if frame not in done]
-    if len(frames) < len(shot.frames):
-        log.line(f"resume  {len(shot.frames) - len(frames)} of {len(shot.frames)} frames are there")
+    frames = frames_to_make(run, shot, settings, done, log)
     facts = {"need": inspection.memory_bytes, "debug_dir": debug_dir}
     work = Work(run=run, shot=shot, settings=settings, frames=frames, done=tuple(done), **facts)
     reconstruct_frames(work, asked, device, log)

@@ -51,10 +51,20 @@ def start_warp() -> None:
     wp.config.log_level = wp.LOG_WARNING  # the banner would go to stdout, in the middle of --json
     wp.config.enable_tiles_in_stack_memory = False  # kernels of all threads would share the pointer to it
     with _without_driver_warning():
-        wp.init()
+        try:
+            wp.init()
+        except OSError:  # it makes the folder of compiled kernels, or cannot
+            wp.config.kernel_cache_dir = _make_cache()
+            wp.init()
     if not _can_keep_kernels(wp.config.kernel_cache_dir):
-        wp.config.kernel_cache_dir = tempfile.mkdtemp(prefix="warpfluid-kernels-")
-        atexit.register(shutil.rmtree, wp.config.kernel_cache_dir, ignore_errors=True)
+        wp.config.kernel_cache_dir = _make_cache()
+
+
+def _make_cache() -> str:
+    """Make a folder for compiled kernels that goes when this process ends."""
+    folder = tempfile.mkdtemp(prefix="warpfluid-kernels-")
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return folder
 
 
 def _can_keep_kernels(folder: str) -> bool:

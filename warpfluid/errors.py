@@ -24,7 +24,8 @@ def writing(path: str | Path) -> Iterator[None]:
         yield
     except OSError as error:
         reason = (error.strerror or str(error)).removeprefix("cannot write the file: ")
-        raise CannotWriteError(error.errno, f"cannot write the file: {reason}", str(error.filename or path)) from error
+        reason = f"cannot write the file: {reason[:1].lower()}{reason[1:]}"
+        raise CannotWriteError(error.errno, reason, str(error.filename or path)) from error
 
 
 class Problems(list):

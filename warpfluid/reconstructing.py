@@ -10,7 +10,7 @@ from warpfluid.errors import CannotWriteError, describe
 from warpfluid.files.sequences import format_frames
 from warpfluid.footage.shot import Shot
 from warpfluid.progress import FrameBar, Progress
-from warpfluid.run import Run
+from warpfluid.run import SETTINGS, Run
 from warpfluid.settings import Settings
 
 
@@ -37,6 +37,60 @@ class Work:
     need: int
     debug_dir: Path | None = None
     failed: dict[str, str] = field(default_factory=dict)
+
+
+def check_footage(run: Run, shot: Shot, settings: Settings) -> None:
+    """Check that the pictures of finished frames are still the same; others may have come since.
+
+    Of other views nothing is said: ``Run.begin`` refuses them.
+
+    Raises:
+        ValueError: If any has changed.
+    """
+    there = (run.folder / SETTINGS).is_file()
+    if not there or run.settings().get("views") != settings.to_dict()["views"]:
+        return
+    changed: dict[str, list[int]] = {}
+    for frame, record in run.records().items():
+        if "inputs" not in record or not all(frame in source.frames for source in shot.sources):
+            continue
+        for angle, digest in shot.hashes(frame).items():
+            if record["inputs"].get(angle, digest) != digest:
+                changed.setdefault(angle, []).append(frame)
+    if changed:
+        found = ", ".join(
+            f"the footage at {angle} degrees of frame{'s' * (len(frames) > 1)} {format_frames(frames)}"
+            for angle, frames in changed.items()
+        )
+        raise ValueError(
+            f"{run.folder} was made with something else: {found}; "
+            "use the same again, or --overwrite, or another folder with -o"
+        )
+
+
+def frames_to_make(run: Run, shot: Shot, settings: Settings, done: dict[int, dict], log: Progress) -> list[int]:
+    """Return the frames of a shot that a run lacks; what was made otherwise than it would be now is dropped from both.
+
+    Args:
+        run: The run; begun already.
+        shot: The footage.
+        settings: All choices made.
+        done: Records of the frames that the run has; those that are dropped go.
+        log: Progress.
+    """
+    from warpfluid.reconstruction.pieces import make_pieces
+
+    pieces = make_pieces(shot, settings.reconstruct)
+    stale = pieces.stale(shot.frames, {*shot.frames, *done}, done)
+    if stale:
+        log.notes([f"frames {format_frames(stale)} are made again: what they should start from was missing"])
+        run.forget(stale)
+        for frame in stale:
+            del done[frame]
+    frames = [frame for frame in shot.frames if frame not in done]
+    if len(frames) < len(shot.frames):
+        log.line(f"resume  {len(shot.frames) - len(frames)} of {len(shot.frames)} frames are there")
+    return frames
 
 
 def reconstruct_frames(work: Work, asked: Asked, device, log: Progress) -> None:

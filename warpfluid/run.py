@@ -8,7 +8,7 @@ turntable and a report. Every file is written under another name and renamed, so
 import json
 import os
 import platform
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from importlib.metadata import version
 from pathlib import Path
 
@@ -127,6 +127,8 @@ class Run:
         if overwrite:
             for path in (*self.folder.glob(VOLUMES), *(self.folder / name for name in MADE)):
                 path.unlink(missing_ok=True)
+        for left in self.folder.glob(".*.tmp"):  # of a run that was killed while it wrote them
+            left.unlink(missing_ok=True)
         kept = self._keep_whole() if resume else {}
         _write_toml(self.folder / SETTINGS, document)
         return kept
@@ -178,7 +180,7 @@ class Run:
         lost = lost_mass(density, output.drop_below * float(np.abs(density).max()))
         record = {"frame": frame, "file": path.name, **record, "mass_dropped": lost}
         json.dumps(record, allow_nan=False)
-        for left in self.folder.glob(f".{path.name}.*.tmp"):  # of a run that was killed while it wrote this frame
+        for left in self.folder.glob(f".{path.name}.*.tmp"):  # of a worker that was killed while it wrote this frame
             left.unlink(missing_ok=True)
         kept = stored(density, output)
         size, width, depth = output.voxel_size, density.shape[0], density.shape[1]
@@ -212,15 +214,22 @@ class Run:
         """Return the records in the order of the file, without lines that are none."""
         return [line for line in read_lines(self.folder / RECORDS) if isinstance(line.get("frame"), int)]
 
+    def forget(self, frames: Collection[int]) -> None:
+        """Drop the records of frames, which are to be made again."""
+        self._write_records({frame: record for frame, record in self.records().items() if frame not in frames})
+
     def _keep_whole(self) -> dict[int, dict]:
         """Drop the records of frames that are missing or damaged, and return the others."""
-        records, path = self.records(), self.folder / RECORDS
-        kept = {frame: record for frame, record in records.items() if self.is_whole(frame)}
-        lines = "".join(json.dumps(record) + "\n" for record in kept.values()).encode()
+        kept = {frame: record for frame, record in self.records().items() if self.is_whole(frame)}
+        self._write_records(kept)
+        return kept
+
+    def _write_records(self, records: Mapping[int, dict]) -> None:
+        path = self.folder / RECORDS
+        lines = "".join(json.dumps(record) + "\n" for record in records.values()).encode()
         if path.exists() and path.read_bytes() != lines:
             with replacing(path) as file:
                 file.write(lines)
-        return kept
 
 
 def stored(density: np.ndarray, output: OutputOptions) -> np.ndarray:

@@ -220,7 +220,7 @@ def check_same(folder: Path, old: dict, new: dict) -> None:
     Args:
         folder: Of the run.
         old: Its ``run.toml``.
-        new: What would be written now, with the hashes of the footage under ``made-with``.
+        new: What would be written now, with the hashes of volumes or backgrounds under ``made-with``.
 
     Raises:
         ValueError: If anything differs that the volumes depend on.
@@ -240,7 +240,7 @@ def check_same(folder: Path, old: dict, new: dict) -> None:
             if before.get(key) != after.get(key)
         ]
     before, after = (document.get("made-with", {}).get("inputs", {}) for document in (old, new))
-    kind = "the volume of frame {}" if "source" in new else "the footage at {} degrees"
+    kind = "the volume of frame {}" if "source" in new else "the background of the view at {} degrees"
     changed += [kind.format(name) for name in after if before.get(name, after[name]) != after[name]]
     if changed:
         raise ValueError(

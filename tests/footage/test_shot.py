@@ -216,11 +216,12 @@ def test_everything_wrong_is_told_at_once(pair, tmp_path):
 
 def test_hashes_tell_footage_apart(pair, tmp_path):
     """The same files hash alike, and one changed pixel shows."""
-    before = open_shot(pair).hashes()
-    assert open_shot(pair).hashes() == before
-    assert len(set(before.values())) == 2
+    before = {frame: open_shot(pair).hashes(frame) for frame in (12, 13)}
+    assert {frame: open_shot(pair).hashes(frame) for frame in (12, 13)} == before
+    assert len(set(before[12].values())) == 2
     changed = picture(13)
     changed[5, 5] += 1
     write_png(tmp_path / "front" / "fire.0013.png", changed)
-    after = open_shot(pair).hashes()
-    assert [before[name] == after[name] for name in before] == [False, True]
+    after = {frame: open_shot(pair).hashes(frame) for frame in (12, 13)}
+    assert after[12] == before[12]
+    assert [before[13][name] == after[13][name] for name in before[13]] == [False, True]

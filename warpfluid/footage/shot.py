@@ -1,5 +1,6 @@
 """A shot: the footage of one or more views, checked, paired by frame and prepared."""
 
+import hashlib
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -97,12 +98,24 @@ class Shot:
             light = matting.equalize_rows(light, float(undo_shoulder(np.float64(matting.LIT), self.shoulder)))
         return apply_shoulder(light, self.shoulder)
 
-    def hashes(self) -> dict[str, str]:
-        """Return a SHA-256 of the footage of each view, by its angle.
+    def hashes(self, frame: int) -> dict[str, str]:
+        """Return what tells the pictures that a frame is made of from others, by angle of the view.
 
-        It covers name, size, first and last megabyte of every file, to stay quick on long footage.
+        It covers name, size, first and last megabyte of their files, to stay quick on long footage.
+
+        Raises:
+            OSError: If a file cannot be read.
         """
-        return {f"{source.angle_deg:.15g}": file_hash(source.footage.paths) for source in self.sources}
+        return {f"{source.angle_deg:.15g}": file_hash(source.paths(frame)) for source in self.sources}
+
+    def background_hashes(self) -> dict[str, str]:
+        """Return what tells the backgrounds that are taken off from others, by angle of the view."""
+        plates = {source.angle_deg: source.matting.background for source in self.sources}
+        return {
+            f"{angle:.15g}": hashlib.sha256(np.ascontiguousarray(plate)).hexdigest()
+            for angle, plate in plates.items()
+            if plate is not None
+        }
 
 
 def open_shot(

@@ -61,6 +61,12 @@ class Source:
         first = {frame - self.offset - later for frame in set(frames) & set(self.frames)}
         return sorted(first | {number + self.step for number in first if share})
 
+    def paths(self, frame: int) -> list[Path]:
+        """Return the files that a frame is made of."""
+        if self.footage.kind == "video":
+            return list(self.footage.paths)
+        return [self.footage.paths[self.footage.frames.index(number)] for number in self.numbers([frame])]
+
     def light(self, frame: int) -> np.ndarray:
         """Return the light of a frame, or of the picture before it, shape (rows, columns), before it is scaled."""
         return self.matting.light(self.footage.read(frame - self.offset - self._delay[0]))

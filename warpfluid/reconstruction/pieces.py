@@ -5,7 +5,7 @@ frames early, so that its volume has settled when the first of its own frames co
 frames' numbers alone, never on the workers, or the volumes would.
 """
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from warpfluid.footage.shot import Shot
@@ -82,6 +82,26 @@ class Pieces:
             lead.append(number)
             later = number
         return FrameTask(frame, lead=tuple(reversed(lead)))
+
+    def stale(self, frames: Iterable[int], known: Collection[int], records: Mapping[int, dict]) -> list[int]:
+        """Return frames that are there and were not made as they would be now, and those that build on such.
+
+        A frame whose predecessor failed started anew; when that one is made at last, all after it are made again.
+
+        Args:
+            frames: Those that matter.
+            known: Frames that the run has or will have.
+            records: Of the frames that it has.
+        """
+        found = []
+        for frame in sorted(set(frames) & set(records)):
+            if "before" not in records[frame]:
+                continue
+            task = self.task(frame, known, known)
+            before = task.lead[-1] if task.lead else task.before
+            if records[frame]["before"] != before or task.before in found:
+                found.append(frame)
+        return found
 
     def _near(self, one: int, other: int) -> bool:
         return other - one <= FARTHEST * self.step

@@ -65,6 +65,7 @@ class FrameJob:
         record = {
             "carried": carried,
             "before": before[0] if before else None,
+            "inputs": self.shot.hashes(task.frame),
             **_numbers(result, views, self.settings.reconstruct.shoulder),
             "seconds": round(time.perf_counter() - begin, 3),
         }
