@@ -14,7 +14,7 @@ from warpfluid.files.images import write_png
 from warpfluid.rendering.ramps import apply_ramp
 from warpfluid.rendering.turntable import in_a_row
 
-COLOURS = ((214, 96, 20), (40, 110, 190), (60, 150, 80), (150, 70, 160))
+COLOURS = ((214, 96, 20), (40, 110, 190), (60, 150, 80), (150, 70, 160), (150, 120, 20), (70, 70, 78))
 INK, FAINT = (60, 60, 66), (222, 222, 226)
 CAPTION = 20  # rows
 

@@ -21,11 +21,11 @@ image = sample(width=pick(32, 96, 96)).images[0]
 pyramid = SteerablePyramid(image.shape, HEIGHT)
 bands = pyramid.build(image)
 rows = [
-    captioned(in_a_row(band_shown(bands[scale, k], 2**scale * 2) for k in range(4)), f"scale {scale + 1}")
+    captioned(in_a_row(band_shown(bands[scale, k], 2**scale) for k in range(4)), f"scale {scale + 1}")
     for scale in range(HEIGHT)
 ]
-picture = shown(image)
-lowest = band_shown(bands[LOWPASS], 2 ** (HEIGHT + 1))[: picture.shape[0], : picture.shape[1]]
+picture = shown(image, zoom=1)
+lowest = band_shown(bands[LOWPASS], 2**HEIGHT)[: picture.shape[0], : picture.shape[1]]
 save("fig04", stack([panel({"picture": picture, "low-pass residual": lowest}), *rows]))
 
 # %%
