@@ -26,13 +26,16 @@ def reconstruct(
     common,
     debug_dir: Path | None = None,
     jobs: str = "1",
+    cluster: str | None = None,
 ) -> int:
     """Reconstruct a shot into a folder, and every iteration's pictures into another; return the exit code."""
     from warpfluid.device import pick_device
 
-    log, run, problems = Progress(quiet=common.quiet), Run(out), Problems()
+    if cluster:  # whose workers are in other folders
+        settings = dataclasses.replace(settings, views=tuple(settings.to_dict()["views"]))
+    log, run, problems = Progress(quiet=common.quiet), Run(out.absolute() if cluster else out), Problems()
     problems.attempt(lambda: run.check_free(resume=resume, overwrite=overwrite))
-    asked = problems.attempt(lambda: Asked(jobs=jobs, device=common.device))
+    asked = problems.attempt(lambda: Asked(jobs=jobs, device=common.device, cluster=cluster))
     device = problems.attempt(pick_device, common.device)
     shot = problems.attempt(open_shot, settings.views, settings.input, settings.reconstruct.shoulder or 0.0)
     problems.raise_if_any()

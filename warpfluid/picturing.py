@@ -1,6 +1,7 @@
 """What ``warpfluid render`` does, once its flags are read."""
 
 import json
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -61,15 +62,19 @@ def render(
     resume: bool = False,
     overwrite: bool = False,
     jobs: str = "1",
+    cluster: str | None = None,
     common,
 ) -> int:
     """Make pictures or a film of volumes; return the exit code."""
     from warpfluid.device import pick_device
 
     log, problems = Progress(quiet=common.quiet), Problems()
+    if cluster:  # whose workers are in other folders
+        source, out = os.path.abspath(os.path.expanduser(source)), out.absolute()
+        camera = replace(camera, camera=os.path.abspath(camera.camera)) if camera.camera else camera
     facts = {"separate": camera.stereo == "separate", "half": options.half, "deep": options.deep}
     target = problems.attempt(lambda: Target(path=out, **facts))
-    asked = problems.attempt(lambda: Asked(jobs=jobs, device=common.device))
+    asked = problems.attempt(lambda: Asked(jobs=jobs, device=common.device, cluster=cluster))
     volumes = problems.attempt(_open, source, options)
     device = problems.attempt(pick_device, common.device)
     lamps = Lamps(light)
@@ -91,12 +96,15 @@ def render(
     if len(left) < len(shots):
         log.line(f"kept    {len(shots) - len(left)} pictures that are there")
     need = job.need(fields["density"].shape, len(fields))
+    told = {"folder": target.path.parent, "progress": _nothing, "say": log.line}
     try:
-        with open_pool(job, asked, device, tasks=len(left), need=need, progress=_nothing, say=log.line) as pool:
+        with open_pool(job, asked, device, tasks=len(left), need=need, **told) as pool:
             (_film if target.is_film else _stills)(work, left, pool)
     except KeyboardInterrupt as stop:
         way_out = "; the same command with --resume goes on" if target.is_numbered else ""
         raise KeyboardInterrupt(f"stopped after {len(work.made)} of {len(left)} pictures{way_out}") from stop
+    except ConnectionError as error:
+        work.failed["the cluster"] = describe(error)
     return _conclude(work, len(shots) - len(left), common)
 
 
@@ -141,7 +149,7 @@ def _stills(work: Work, shots: list[Shot], pool: Pool) -> None:
             work.failed[work.records.path.name] = describe(error)
             break
     if count < len(shots):
-        work.failed["the other pictures"] = "not made, for what is written cannot be kept"
+        work.failed["the other pictures"] = "not made"
 
 
 def _film(work: Work, shots: list[Shot], pool: Pool) -> None:

@@ -113,7 +113,7 @@ def reconstruct_frames(work: Work, asked: Asked, device, log: Progress) -> None:
     count = 0
     pieces = make_pieces(work.shot, work.settings.reconstruct)
     groups = pieces.chains(work.frames)
-    if asked.jobs != "1" and len(groups) == 1 < len(work.frames):
+    if not asked.is_alone and len(groups) == 1 < len(work.frames):
         log.notes(["each frame builds on the one before: cut the shot with --piece, or choose --coherence none"])
     try:
         with (
@@ -128,6 +128,8 @@ def reconstruct_frames(work: Work, asked: Asked, device, log: Progress) -> None:
         raise KeyboardInterrupt(f"{there}; to continue: warpfluid reconstruct -o {work.run.folder} --resume") from stop
     except CannotWriteError as error:
         work.failed["the records"] = describe(error)
+    except ConnectionError as error:
+        work.failed["the cluster"] = describe(error)
     _name_the_rest(work, count)
 
 
@@ -145,7 +147,8 @@ def _open(work: Work, asked: Asked, device, tasks: int, bar: FrameBar, log: Prog
 
     observer = panel_writer(work.debug_dir, work.settings.output.look) if work.debug_dir else None
     job = FrameJob(work.shot, work.settings, work.run, observer)
-    return open_pool(job, asked, device, tasks=tasks, need=work.need, progress=bar.iteration, say=log.line)
+    told = {"progress": bar.iteration, "say": log.line}
+    return open_pool(job, asked, device, tasks=tasks, need=work.need, folder=work.run.folder, **told)
 
 
 def _note(work: Work, record: dict, bar: FrameBar) -> None:
@@ -164,4 +167,4 @@ def _name_the_rest(work: Work, count: int) -> None:
     records = work.run.records()
     left = [frame for frame in work.frames if frame not in records and f"frame {frame}" not in work.failed]
     if left:
-        work.failed[f"frames {format_frames(left)}"] = "not made, for what is written cannot be kept"
+        work.failed[f"frames {format_frames(left)}"] = "not made"

@@ -80,6 +80,10 @@ ViewFlag = Annotated[
     ),
 ]
 
+ClusterFlag = Annotated[
+    str | None,
+    Parameter(help="Let the workers of this Dask scheduler work, such as tcp://host:8786", metavar="ADDRESS"),
+]
 JobsFlag = Annotated[
     str,
     Parameter(help="Processes that work side by side: a number, or auto for one a core or a GPU", metavar="N"),

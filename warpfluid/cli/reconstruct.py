@@ -11,6 +11,7 @@ from warpfluid.cli.flags import (
     NO_INPUT,
     NO_METHOD,
     NO_OUTPUT,
+    ClusterFlag,
     Common,
     ConfigFlag,
     FrontFlag,
@@ -40,6 +41,7 @@ def reconstruct(
         Path | None, Parameter(help="Folder for pictures of every iteration of appearance transfer (Fig. 3)")
     ] = None,
     jobs: JobsFlag = "1",
+    cluster: ClusterFlag = None,
     footage: InputFlags = NO_INPUT,
     method: MethodFlags = NO_METHOD,
     output: OutputFlags = NO_OUTPUT,
@@ -54,5 +56,5 @@ def reconstruct(
         config = out / "run.toml"  # what is not said again stays as it was
     views = [*(view or []), *named_views(front, side)]
     settings = commands.make_settings(views, footage, method, output, paper=paper, config=config)
-    how = {"resume": resume, "overwrite": overwrite, "debug_dir": debug_dir, "jobs": jobs}
-    return commands.reconstruct(settings, out, common=common, **how)
+    how = {"resume": resume, "overwrite": overwrite, "debug_dir": debug_dir}
+    return commands.reconstruct(settings, out, common=common, jobs=jobs, cluster=cluster, **how)

@@ -7,7 +7,7 @@ from typing import Annotated, get_args
 from cyclopts import Parameter
 
 from warpfluid.cli.app import app
-from warpfluid.cli.flags import COMMON, Common, JobsFlag, make_flags
+from warpfluid.cli.flags import COMMON, ClusterFlag, Common, JobsFlag, make_flags
 from warpfluid.errors import Problems
 from warpfluid.options import CameraOptions, LightOptions, RenderOptions
 
@@ -28,6 +28,7 @@ def render(
     resume: Annotated[bool, Parameter(negative=(), help="Keep the numbered pictures that are there")] = False,
     overwrite: Annotated[bool, Parameter(negative=(), help="Replace what is there")] = False,
     jobs: JobsFlag = "1",
+    cluster: ClusterFlag = None,
     picture: PictureFlags = NO_PICTURE,
     camera: CameraFlags = NO_CAMERA,
     light: LightFlags = NO_LIGHT,
@@ -43,4 +44,5 @@ def render(
         given = {name: value for name, value in asdict(flags).items() if value is not None}
         made.append(problems.attempt(lambda options=options, given=given: options(**given)))
     problems.raise_if_any()
-    return picturing.render(source, *made, out, resume=resume, overwrite=overwrite, jobs=jobs, common=common)
+    how = {"resume": resume, "overwrite": overwrite, "jobs": jobs, "cluster": cluster}
+    return picturing.render(source, *made, out, common=common, **how)

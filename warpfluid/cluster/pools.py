@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 from warpfluid.cluster.here import Here
 from warpfluid.cluster.spread import Job, Pool
@@ -16,6 +17,7 @@ class Asked:
     Attributes:
         jobs: Number of processes, or ``auto``.
         device: As the command line names it; ``auto`` means every GPU there is.
+        cluster: Address of a Dask scheduler, whose workers do it instead.
 
     Raises:
         ValueError: If there can be no such workers.
@@ -23,9 +25,17 @@ class Asked:
 
     jobs: str = "1"
     device: str = "auto"
+    cluster: str | None = None
 
     def __post_init__(self):
         parse_jobs(self.jobs)
+        if self.cluster and self.jobs != "1":
+            raise ValueError("--jobs is for this machine and --cluster for others: choose one of them")
+
+    @property
+    def is_alone(self) -> bool:
+        """Whether this process shall do all by itself."""
+        return self.jobs == "1" and not self.cluster
 
 
 def open_pool(
@@ -35,6 +45,7 @@ def open_pool(
     *,
     tasks: int,
     need: int,
+    folder: Path,
     progress: Callable[..., None],
     say: Callable[[str], None],
 ) -> Pool:
@@ -46,9 +57,15 @@ def open_pool(
         device: The Warp device that one worker would use.
         tasks: How many there are that can be done side by side.
         need: Memory of a task [byte].
+        folder: Where results go.
         progress: Called as the jobs go.
         say: Called with what the user should know.
     """
+    if asked.cluster:
+        from warpfluid.cluster.scheduler import Scheduler
+
+        facts = {"device": asked.device, "folder": folder, "need": need, "progress": progress, "say": say}
+        return Scheduler(job, asked.cluster, **facts)
     jobs = parse_jobs(asked.jobs)
     if jobs == 1:
         return Here(job, device, progress)
