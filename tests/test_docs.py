@@ -76,7 +76,7 @@ def flags(command: str) -> set[str]:
 
 
 SCENE = (ROOT / "warpfluid" / "exporting" / "blender_scene.py").read_text("utf-8")
-OTHERS = {"--python", "--port", "--nworkers", "--nthreads", "--upgrade", "--force-reinstall"}  # of Blender and pip
+OTHERS = {"--python", "--port", "--nworkers", "--nthreads", "--upgrade", "--force-reinstall"}  # of Blender, Dask, pip
 OTHERS |= set(re.findall(r'add_argument\("(--[\w-]+)"', SCENE))  # of our script in Blender
 FIGURES = (ROOT / "examples" / "paper" / "common.py").read_text("utf-8")
 OTHERS |= set(re.findall(r'add_argument\("(--[\w-]+)"', FIGURES))  # of the paper's figures
