@@ -1,7 +1,7 @@
 """Which frame starts from which: a coherent shot is one chain, or pieces that overlap.
 
 In a chain every frame waits for the one before. Cut into pieces, a shot spreads over many workers: a piece starts some
-frames early, so that its volume has settled when the first of its own frames comes. Where it is cut depends on the
+frames early, so that its volume is nearer to the other's when its own frames begin. Where it is cut depends on the
 frames' numbers alone, never on the workers, or the volumes would.
 """
 
