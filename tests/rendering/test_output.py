@@ -69,7 +69,7 @@ def test_png(tmp_path, deep, steps):
 
 @pytest.mark.parametrize("shape", [(21, 33), (24, 16)])
 def test_film_frame_by_frame(tmp_path, shape):
-    """Smooth pictures, as the codec blurs; an odd side has one black line more."""
+    """Smooth pictures, as the codec blurs; an odd side has its last line twice."""
     rows, columns = np.mgrid[: shape[0], : shape[1]]
     images = [picture(shape) for _ in range(5)]
     for k, image in enumerate(images):

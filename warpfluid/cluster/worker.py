@@ -22,7 +22,7 @@ def serve(pipe: connection.Connection, job: bytes, device: str, cache: str) -> N
         cache: Folder of compiled kernels.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(BROKEN_OFF))  # so that half a file goes
+    signal.signal(signal.SIGTERM, _break_off)
     threading.Thread(target=_end_with_parent, daemon=True).start()
     import warp as wp
 
@@ -31,16 +31,19 @@ def serve(pipe: connection.Connection, job: bytes, device: str, cache: str) -> N
     there = pick_device(device)
     wp.config.kernel_cache_dir = cache
     work = pickle.loads(job)
-    while True:
-        try:
+    try:
+        while True:
             task = pipe.recv()
-        except (EOFError, OSError):
-            return
-        try:
             outcome = attempt(work, task, there, lambda *message: pipe.send(("progress", message)))
             pipe.send(("done", outcome))
-        except OSError:  # nobody is left to hear it
-            return
+    except (EOFError, OSError):  # nobody is left to ask, or to hear it
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)  # what is cleared away on the way out is cleared wholly
+
+
+def _break_off(*_) -> None:
+    """End with what is half done removed, and do not let a second signal disturb that."""
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    sys.exit(BROKEN_OFF)
 
 
 def _end_with_parent() -> None:

@@ -178,7 +178,7 @@ class Video:
 
 
 def write_video(path: str | Path, pictures: Iterable[np.ndarray], rate: float) -> None:
-    """Write an H.264 video that plays everywhere; an odd width or height grows by a black line.
+    """Write an H.264 video that plays everywhere; an odd width or height grows by a line like its last.
 
     Args:
         path: The ``.mp4`` file; its folder must exist.
@@ -198,7 +198,7 @@ def write_video(path: str | Path, pictures: Iterable[np.ndarray], rate: float) -
         with replacing(path) as file, av.open(file, "w", format="mp4") as container:
             stream = _add_stream(container, first, rate)
             for picture in itertools.chain([first], pictures):
-                padded = np.pad(picture, [(0, picture.shape[0] % 2), (0, picture.shape[1] % 2), (0, 0)])
+                padded = np.pad(picture, [(0, n % 2) for n in picture.shape[:2]] + [(0, 0)], mode="edge")
                 frame = av.VideoFrame.from_ndarray(padded, format="rgb24")
                 container.mux(stream.encode(frame.reformat(format="yuv420p", dst_colorspace="ITU709")))
             container.mux(stream.encode(None))
