@@ -1,11 +1,14 @@
 """What a benchmark ran on, and how its times are taken."""
 
+import contextlib
 import datetime
 import platform
 import time
-from collections.abc import Callable
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from statistics import median
+from unittest import mock
 
 import numpy as np
 
@@ -43,6 +46,35 @@ def interleaved(jobs: dict[str, Callable[[], object]], repeats: int) -> dict[str
         for name, job in jobs.items():
             times[name].append(seconds(job))
     return {name: median(taken) for name, taken in times.items()}
+
+
+@contextlib.contextmanager
+def timed_parts(device, parts: Iterable[tuple]) -> Iterator[dict[str, float]]:
+    """Time the parts of the work within, by wrapping the functions that do it.
+
+    Args:
+        device: Waited for before and after each call.
+        parts: Where each function is, its name, and the part it belongs to.
+    """
+    import warp as wp
+
+    taken: dict[str, float] = defaultdict(float)
+
+    def timed(part: str, function: Callable) -> Callable:
+        def call(*arguments, **options):
+            wp.synchronize_device(device)
+            begin = time.perf_counter()
+            result = function(*arguments, **options)
+            wp.synchronize_device(device)
+            taken[part] += time.perf_counter() - begin
+            return result
+
+        return call
+
+    with contextlib.ExitStack() as patches:
+        for owner, name, part in parts:
+            patches.enter_context(mock.patch.object(owner, name, timed(part, getattr(owner, name))))
+        yield taken
 
 
 def _processor() -> str:

@@ -11,17 +11,12 @@ are timed in a run of their own, because the timers wait for the device.
 """
 
 import argparse
-import contextlib
 import resource
-import time
-from collections import defaultdict
-from collections.abc import Callable, Iterator
 from importlib.resources import files
-from unittest import mock
 
 import numpy as np
 import warp as wp
-from machine import describe, interleaved, seconds
+from machine import describe, interleaved, seconds, timed_parts
 
 import warpfluid as wf
 from warpfluid.device import pick_device
@@ -29,6 +24,15 @@ from warpfluid.reconstruction import em, lsm
 from warpfluid.reconstruction.appearance import AppearanceTransfer
 
 PAPER_SIZE, QUICK_SIZE = (271, 144), (68, 36)
+
+PARTS = (
+    (wf.Projector, "project", "projections"),
+    (wf.Projector, "backproject", "back-projections"),
+    (AppearanceTransfer, "__init__", "M-step targets"),
+    (AppearanceTransfer, "transfer", "M-step"),
+    (em, "blur", "blurs"),
+    (lsm, "blur", "blurs"),
+)
 
 
 def fire(size: tuple[int, int]) -> wf.Views:
@@ -52,35 +56,6 @@ def cloud(size: tuple[int, int]) -> wf.Views:
     return wf.Views(np.clip(images, 0, 255).astype(np.float32), (0, 90))
 
 
-@contextlib.contextmanager
-def timed_parts(device: wp.Device) -> Iterator[dict[str, float]]:
-    """Time the parts of every reconstruction within, by wrapping the functions that do the work."""
-    taken: dict[str, float] = defaultdict(float)
-
-    def timed(part: str, function: Callable) -> Callable:
-        def call(*arguments, **options):
-            wp.synchronize_device(device)
-            begin = time.perf_counter()
-            result = function(*arguments, **options)
-            wp.synchronize_device(device)
-            taken[part] += time.perf_counter() - begin
-            return result
-
-        return call
-
-    with contextlib.ExitStack() as patches:
-        for owner, name, part in (
-            (wf.Projector, "project", "projections"),
-            (wf.Projector, "backproject", "back-projections"),
-            (AppearanceTransfer, "__init__", "M-step targets"),
-            (AppearanceTransfer, "transfer", "M-step"),
-            (em, "blur", "blurs"),
-            (lsm, "blur", "blurs"),
-        ):
-            patches.enter_context(mock.patch.object(owner, name, timed(part, getattr(owner, name))))
-        yield taken
-
-
 def peak_gigabytes() -> float:
     """Return the most memory this process has held so far [GB]; Linux counts in kB."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e9
@@ -91,7 +66,7 @@ def report(name: str, views: wf.Views, options: wf.ReconstructOptions, device: w
     wf.reconstruct(views, options, device=device)
     whole = interleaved({"frame": lambda: wf.reconstruct(views, options, device=device)}, 3)["frame"]
     made = []
-    with timed_parts(device) as parts:
+    with timed_parts(device, PARTS) as parts:
         total = seconds(lambda: made.append(wf.reconstruct(views, options, device=device)))
     width, height = views.size
     print(f"\n{name}: {width} x {height} x {width}, the hull fills {made[0].hull_share:.1%} of the box")

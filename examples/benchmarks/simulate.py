@@ -12,19 +12,16 @@ no dependency: ``pip install phiflow``. The parts are timed in steps of their ow
 """
 
 import argparse
-import contextlib
 import importlib.util
 import os
 import resource
 import time
-from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
-from unittest import mock
 
 import numpy as np
 import warp as wp
-from machine import describe
+from machine import describe, timed_parts
 from scipy.ndimage import zoom
 
 from warpfluid.device import pick_device
@@ -161,28 +158,6 @@ def widen_indices() -> None:
     NumPyBackend.ravel_multi_index = wide
 
 
-@contextlib.contextmanager
-def timed_parts(device: wp.Device) -> Iterator[dict[str, float]]:
-    """Time the parts of every step within, by wrapping the functions that do the work."""
-    taken: dict[str, float] = defaultdict(float)
-
-    def timed(part: str, function: Callable) -> Callable:
-        def call(*arguments, **options):
-            wp.synchronize_device(device)
-            begin = time.perf_counter()
-            result = function(*arguments, **options)
-            wp.synchronize_device(device)
-            taken[part] += time.perf_counter() - begin
-            return result
-
-        return call
-
-    with contextlib.ExitStack() as patches:
-        for owner, name, part in PARTS:
-            patches.enter_context(mock.patch.object(owner, name, timed(part, getattr(owner, name))))
-        yield taken
-
-
 def interleaved(jobs: dict[str, Callable[[], object]], repeats: int) -> dict[str, tuple[float, float]]:
     """Return the median seconds of every job, and those of all cores together, which other work disturbs less.
 
@@ -231,7 +206,7 @@ def report(shape: tuple[int, int, int], repeats: int, device: wp.Device, peer: b
 
 def print_parts(name: str, step: Callable[[], object], repeats: int, device: wp.Device) -> None:
     """Print the share of each part of a step, over some steps."""
-    with timed_parts(device) as parts:
+    with timed_parts(device, PARTS) as parts:
         begin = time.perf_counter()
         for _ in range(repeats):
             step()

@@ -109,3 +109,16 @@ COMMON = Common()
 def named_views(front: str | None, side: str | None) -> list[str]:
     """Return the views that are named by where they stand, as ``--view`` takes them."""
     return [f"{angle}={path}" for angle, path in ((0, front), (90, side)) if path is not None]
+
+
+def settings_of_run(out: Path | None, config: Path | None, *, resume: bool) -> Path | None:
+    """Return where the settings of a run come from: what is not said again when it is continued stays as it was.
+
+    Raises:
+        ValueError: If no folder is named for the run.
+    """
+    if out is None:
+        raise ValueError("no folder is given for the run: add -o FOLDER")
+    if resume and config is None and (out / "run.toml").is_file():
+        return out / "run.toml"
+    return config

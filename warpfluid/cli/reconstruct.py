@@ -23,6 +23,7 @@ from warpfluid.cli.flags import (
     SideFlag,
     ViewFlag,
     named_views,
+    settings_of_run,
 )
 
 
@@ -50,10 +51,7 @@ def reconstruct(
     """Make a volume sequence of the footage of one or more views."""
     from warpfluid import commands
 
-    if out is None:
-        raise ValueError("no folder is given for the run: add -o FOLDER")
-    if resume and config is None and (out / "run.toml").is_file():
-        config = out / "run.toml"  # what is not said again stays as it was
+    config = settings_of_run(out, config, resume=resume)
     views = [*(view or []), *named_views(front, side)]
     settings = commands.make_settings(views, footage, method, output, paper=paper, config=config)
     how = {"resume": resume, "overwrite": overwrite, "debug_dir": debug_dir}

@@ -15,6 +15,7 @@ from warpfluid.cli.flags import (
     OutputFlags,
     PaperFlag,
     SimulateFlags,
+    settings_of_run,
 )
 
 
@@ -51,10 +52,7 @@ def simulate(
     """Make volumes flow: smooth motion that keeps the look of the footage, and that can be edited."""
     from warpfluid import simulating
 
-    if out is None:
-        raise ValueError("no folder is given for the run: add -o FOLDER")
-    if resume and config is None and (out / "run.toml").is_file():
-        config = out / "run.toml"  # what is not said again stays as it was
+    config = settings_of_run(out, config, resume=resume)
     things = {"emitter": emitter, "obstacle": obstacle, "force": force, "body": body}
     asked = simulating.Asked(source=source, size=size, preset=preset, things=things, method=method, output=output)
     return simulating.simulate(

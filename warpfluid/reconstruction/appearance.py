@@ -6,17 +6,16 @@ neighbour beyond the last input is the first one flipped.
 """
 
 from collections.abc import Hashable
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from warpfluid.kernels.launch import thread_count
-from warpfluid.reconstruction.histogram import MIXTURES, match, rank_grid
+from warpfluid.reconstruction.fan import match_intensities, modify_views, pad_views
+from warpfluid.reconstruction.histogram import match, mix_neighbours
 from warpfluid.reconstruction.neighbours import around, between
 from warpfluid.reconstruction.pyramid import default_height, padded_shape, shared_pyramid
 
 INTENSITY = "intensity"
-_CHUNK = 6  # views at a time, so that a band is matched while it is in the cache
+AT_ONCE = 6  # views at a time, so that a band is matched while it is in the cache
 
 
 class AppearanceTransfer:
@@ -39,8 +38,8 @@ class AppearanceTransfer:
         height: int | None = None,
         interpolation: str = "density",
     ):
-        self._size = images.shape[1:]
-        self.pyramid = shared_pyramid(padded_shape(self._size), height or default_height(self._size))
+        size = images.shape[1:]
+        self.pyramid = shared_pyramid(padded_shape(size), height or default_height(size))
         if interpolation == "first":
             images, angles_deg, interpolation = images[:1], angles_deg[:1], "nearest"
         self._targets, self._ranks = self._make_targets(images, angles_deg, fan_deg, interpolation)
@@ -55,49 +54,23 @@ class AppearanceTransfer:
         Returns:
             The modified views, shape of ``rendered``; the same for any number of threads.
         """
-        out = np.empty(rendered.shape, np.float32)
+        return modify_views(self._transfer_some, rendered, mask, at_once=AT_ONCE)
 
-        def work(begin: int) -> None:
-            views = slice(begin, min(begin + _CHUNK, len(rendered)))
-            out[views] = self._transfer_chunk(rendered[views], mask[views], views)
-
-        with ThreadPoolExecutor(thread_count()) as pool:
-            list(pool.map(work, range(0, len(rendered), _CHUNK)))
-        return out
-
-    def _transfer_chunk(self, rendered: np.ndarray, mask: np.ndarray, views: slice) -> np.ndarray:
-        width, rows = self._size
-
+    def _transfer_some(self, rendered: np.ndarray, mask: np.ndarray, views: slice) -> np.ndarray:
         def matched(key: Hashable, band: np.ndarray) -> np.ndarray:
             flat = np.ascontiguousarray(band, np.float32).reshape(len(band), -1)
-            fit = match(flat, self._targets[key][views], self._ranks[key], keep_zero=key == INTENSITY)
-            return fit.reshape(band.shape)
+            return match(flat, self._targets[key][views], self._ranks[key], keep_zero=False).reshape(band.shape)
 
-        images = self.pyramid.collapse(self.pyramid.build(self._pad(rendered), matched))
-        inside = np.zeros(images.shape, bool)
-        inside[:, :width, :rows] = mask
-        darkest = np.minimum(images.min(axis=(1, 2), keepdims=True), 0)
-        images = matched(INTENSITY, np.where(inside, images, darkest)) * inside
-        return images[:, :width, :rows]
-
-    def _pad(self, images: np.ndarray) -> np.ndarray:
-        padded = np.zeros((len(images), *self.pyramid.shape), np.float32)
-        padded[:, : images.shape[1], : images.shape[2]] = images
-        return padded
+        images = self.pyramid.collapse(self.pyramid.build(pad_views(rendered, self.pyramid.shape), matched))
+        return match_intensities(images, mask, self._targets[INTENSITY][views], self._ranks[INTENSITY])
 
     def _make_targets(self, images, angles_deg, fan_deg, interpolation):
         images, angles = around(images, angles_deg)
-        images = self._pad(images)
+        images = pad_views(images, self.pyramid.shape)
         left, parts = between(angles, fan_deg)
         bands = self.pyramid.build(images) | {INTENSITY: images}
         targets, ranks = {}, {}
         for key, band in bands.items():
-            values = np.sort(band.reshape(len(band), -1), axis=-1)
-            ranks[key] = rank_grid(values.shape[1])
-            levels = (ranks[key] + 0.5) / values.shape[1]
             name = "quantile" if interpolation == "hybrid" and key != INTENSITY else interpolation
-            targets[key] = np.empty((len(left), levels.size), np.float32)
-            for pair in np.unique(left):
-                at = np.flatnonzero(left == pair)
-                targets[key][at] = MIXTURES[name](values[pair], values[pair + 1], parts[at], levels)
+            targets[key], ranks[key] = mix_neighbours(band, left, parts, name)
         return targets, ranks

@@ -137,3 +137,27 @@ def _merge_ties(k: np.ndarray, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def _quantiles(sample: np.ndarray, levels: np.ndarray) -> np.ndarray:
     position = np.clip(np.asarray(levels) * sample.size - 0.5, 0, sample.size - 1)
     return np.interp(position, np.arange(sample.size), sample)
+
+
+def mix_neighbours(
+    band: np.ndarray, left: np.ndarray, parts: np.ndarray, mixture: str
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the values that the views of a fan should have, each mixed of its two neighbours'.
+
+    Args:
+        band: Of the inputs, or one band of their pyramids, shape (input, rows, columns).
+        left: Left neighbour of each view of the fan.
+        parts: How far each view is on the way to the right one, 0 to 1.
+        mixture: A key of ``MIXTURES``.
+
+    Returns:
+        The sorted values of each view, and the ranks that they have.
+    """
+    values = np.sort(band.reshape(len(band), -1), axis=-1)
+    ranks = rank_grid(values.shape[1])
+    levels = (ranks + 0.5) / values.shape[1]
+    mixed = np.empty((len(left), levels.size), np.float32)
+    for pair in np.unique(left):
+        at = np.flatnonzero(left == pair)
+        mixed[at] = MIXTURES[mixture](values[pair], values[pair + 1], parts[at], levels)
+    return mixed, ranks

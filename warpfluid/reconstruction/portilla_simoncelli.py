@@ -5,20 +5,18 @@ published algorithm; a few sweeps bring all of them near. The targets are interp
 view lies between. As in the paper's own M-step, intensities are matched last, so that black stays black.
 """
 
-from concurrent.futures import ThreadPoolExecutor
-
 import numpy as np
 
-from warpfluid.kernels.launch import thread_count
 from warpfluid.reconstruction import moments
 from warpfluid.reconstruction.analytic_pyramid import AnalyticPyramid
-from warpfluid.reconstruction.histogram import MIXTURES, match, rank_grid
+from warpfluid.reconstruction.fan import match_intensities, modify_views, pad_views
+from warpfluid.reconstruction.histogram import mix_neighbours
 from warpfluid.reconstruction.joint_statistics import Statistics, magnitudes, measure, mix, parents, rows
 from warpfluid.reconstruction.neighbours import around, between
 from warpfluid.reconstruction.pyramid import default_height, padded_shape
 
 TINY = 1e-6
-_CHUNK = 4  # views at a time
+AT_ONCE = 4  # views at a time
 
 
 class PortillaSimoncelli:
@@ -41,20 +39,14 @@ class PortillaSimoncelli:
         height: int | None = None,
         sweeps: int = 2,
     ):
-        self._size, self._sweeps = images.shape[1:], sweeps
-        self.pyramid = AnalyticPyramid(padded_shape(self._size), height or default_height(self._size))
+        size, self._sweeps = images.shape[1:], sweeps
+        self.pyramid = AnalyticPyramid(padded_shape(size), height or default_height(size))
         images, angles = around(images, angles_deg)
-        images = self._pad(images)
+        images = pad_views(images, self.pyramid.shape)
         left, parts = between(angles, fan_deg)
         found = measure(self.pyramid, images)
         self.targets = mix(rows(found, left), rows(found, left + 1), parts)
-        values = np.sort(images.reshape(len(images), -1), axis=-1)
-        self._ranks = rank_grid(values.shape[1])
-        levels = (self._ranks + 0.5) / values.shape[1]
-        self._grey = np.empty((len(left), levels.size), np.float32)
-        for pair in np.unique(left):
-            at = np.flatnonzero(left == pair)
-            self._grey[at] = MIXTURES["density"](values[pair], values[pair + 1], parts[at], levels)
+        self._grey, self._ranks = mix_neighbours(images, left, parts, "density")
 
     def transfer(self, rendered: np.ndarray, mask: np.ndarray) -> np.ndarray:
         """Modify rendered views so that they have the statistics of the inputs.
@@ -66,32 +58,13 @@ class PortillaSimoncelli:
         Returns:
             The modified views, shape of ``rendered``; the same for any number of threads.
         """
-        out = np.empty(rendered.shape, np.float32)
+        return modify_views(self._transfer_some, rendered, mask, at_once=AT_ONCE)
 
-        def work(begin: int) -> None:
-            views = slice(begin, min(begin + _CHUNK, len(rendered)))
-            out[views] = self._transfer_chunk(rendered[views], mask[views], views)
-
-        with ThreadPoolExecutor(thread_count()) as pool:
-            list(pool.map(work, range(0, len(rendered), _CHUNK)))
-        return out
-
-    def _transfer_chunk(self, rendered: np.ndarray, mask: np.ndarray, views: slice) -> np.ndarray:
-        width, height = self._size
-        targets, inside = rows(self.targets, views), np.zeros((len(rendered), *self.pyramid.shape), bool)
-        inside[:, :width, :height] = mask
-        images = self._pad(rendered)
+    def _transfer_some(self, rendered: np.ndarray, mask: np.ndarray, views: slice) -> np.ndarray:
+        targets, images = rows(self.targets, views), pad_views(rendered, self.pyramid.shape)
         for _ in range(self._sweeps):
             images = adjust(self.pyramid, images, targets)
-        darkest = np.minimum(images.min(axis=(1, 2), keepdims=True), 0)
-        flat = np.where(inside, images, darkest).reshape(len(images), -1)
-        images = match(flat, self._grey[views], self._ranks, keep_zero=True).reshape(images.shape) * inside
-        return images[:, :width, :height]
-
-    def _pad(self, images: np.ndarray) -> np.ndarray:
-        padded = np.zeros((len(images), *self.pyramid.shape), np.float32)
-        padded[:, : images.shape[1], : images.shape[2]] = images
-        return padded
+        return match_intensities(images, mask, self._grey[views], self._ranks)
 
 
 def adjust(pyramid: AnalyticPyramid, images: np.ndarray, targets: Statistics) -> np.ndarray:
