@@ -10,7 +10,8 @@ import numpy as np
 import warp as wp
 
 from warpfluid.device import pick_device
-from warpfluid.kernels import checks, projection, visual_hull
+from warpfluid.kernels import checks
+from warpfluid.kernels.tomography import projection, visual_hull
 
 Array = TypeVar("Array", np.ndarray, wp.array)
 

@@ -6,7 +6,7 @@ import warp as wp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from warpfluid.kernels.combustion import burn_fuel
+from warpfluid.kernels.fluid.combustion import burn_fuel
 
 SHAPE = (6, 17, 50)
 NAMES = ("fuel", "temperature", "density", "flame")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import warp as wp
 
-from warpfluid.kernels import correlation
+from warpfluid.kernels.flow import correlation
 
 SIZE = (21, 60)  # more heights than a run
 NEAR = slice(5, -5)  # far enough from the border that windows and cubics are whole

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from warpfluid.kernels.decay import decay, make_mask, radiate, thin
+from warpfluid.kernels.fluid.decay import decay, make_mask, radiate, thin
 
 SHAPE = (17, 5, 50)
 

@@ -5,7 +5,7 @@ import pytest
 import warp as wp
 from mac import ALL_OPEN, ALL_WRAP, MIXED, on, random_faces, six, still
 
-from warpfluid.kernels.edges import add_curl, mask_edges
+from warpfluid.kernels.forces.edges import add_curl, mask_edges
 
 SHAPE = (8, 7, 53)
 

@@ -5,7 +5,7 @@ import pytest
 import warp as wp
 
 from warpfluid.device import pick_device
-from warpfluid.kernels.flow_lift import lift
+from warpfluid.kernels.flow.flow_lift import lift
 from warpfluid.projector import directions
 
 SHAPE = (9, 9, 50)

@@ -7,7 +7,7 @@ import pytest
 import warp as wp
 from scipy import ndimage, optimize
 
-from warpfluid.kernels import optical_flow, pair_prices, pictures
+from warpfluid.kernels.flow import optical_flow, pair_prices, pictures
 
 SIZE = (7, 52)  # more heights than a run
 AHEAD = [(0, 1), (0, 2), *itertools.product((1, 2), range(-2, 3))]

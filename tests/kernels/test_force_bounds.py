@@ -14,12 +14,12 @@ wp.config.mode = "debug"
 from mac import SIDES, on, random_faces, six
 
 from warpfluid.device import start_warp
-from warpfluid.kernels.combustion import burn_fuel
-from warpfluid.kernels.decay import decay, make_mask, radiate
-from warpfluid.kernels.forces import add_buoyancy, add_wind
-from warpfluid.kernels.pushes import KINDS, add_push
-from warpfluid.kernels.swirl import add_swirl
-from warpfluid.kernels.turbulence import add_turbulence
+from warpfluid.kernels.fluid.combustion import burn_fuel
+from warpfluid.kernels.fluid.decay import decay, make_mask, radiate
+from warpfluid.kernels.forces.air import add_buoyancy, add_wind
+from warpfluid.kernels.forces.pushes import KINDS, add_push
+from warpfluid.kernels.forces.swirl import add_swirl
+from warpfluid.kernels.forces.turbulence import add_turbulence
 
 start_warp()
 device = sys.argv[1]

@@ -5,7 +5,7 @@ import pytest
 import warp as wp
 from mac import ALL_CLOSED, ALL_OPEN, SHAPE, SIDES, face_means, pushed, random_faces, six, still, without_walls, wraps
 
-from warpfluid.kernels.forces import add_buoyancy, add_wind
+from warpfluid.kernels.forces.air import add_buoyancy, add_wind
 
 CALM = {"temperature_buoyancy": 2.0, "density_buoyancy": -0.5, "reference": 40.0, "time_step": 0.1}
 

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.ndimage import map_coordinates
 
-from warpfluid.kernels.lattice import CLOSEST, interpolate
+from warpfluid.kernels.forces.lattice import CLOSEST, interpolate
 
 
 @given(

@@ -2,7 +2,7 @@
 
 import inspect
 from importlib import import_module
-from pkgutil import iter_modules
+from pkgutil import walk_packages
 
 import numpy as np
 import pytest
@@ -10,58 +10,29 @@ import warp as wp
 
 from warpfluid import kernels
 from warpfluid.device import pick_device
-from warpfluid.kernels import (
-    advection,
-    blur,
-    bricks,
+from warpfluid.kernels import advection, blur, coarsen, vectors
+from warpfluid.kernels.flow import correlation, flow_lift, optical_flow, pair_prices, pictures
+from warpfluid.kernels.fluid import (
     centres,
-    coarsen,
-    coefficients,
     combustion,
     correction,
-    correlation,
-    curves,
     decay,
     diffusion,
-    eddies,
-    edges,
     emission,
-    filling,
     fine_paths,
-    flow_lift,
-    forces,
     guidance,
-    lamps,
-    lattice,
-    march,
-    multigrid,
-    optical_flow,
-    pair_prices,
-    pictures,
-    pressure,
     probe,
-    projection,
-    pushes,
-    ramp,
-    reach,
-    sad,
-    scattered,
-    shadow,
     shapes,
-    shares,
     spline,
-    stochastic,
-    surfaces,
-    swirl,
     totals,
     tracing,
     transport,
-    turbulence,
-    vectors,
-    visual_hull,
-    walls,
 )
+from warpfluid.kernels.forces import air, eddies, edges, lattice, pushes, ramp, reach, swirl, turbulence
+from warpfluid.kernels.light import bricks, curves, lamps, march, scattered, shadow, surfaces
+from warpfluid.kernels.poisson import coefficients, multigrid, pressure, shares, walls
 from warpfluid.kernels.sides import CLOSED, OPEN, SIX
+from warpfluid.kernels.tomography import filling, projection, sad, stochastic, visual_hull
 from warpfluid.projector import directions
 
 N, HEIGHTS, ANGLES = 6, 50, [0.0, 30.0, 90.0]
@@ -120,8 +91,9 @@ placed = {"sides": SIX(OPEN, OPEN, OPEN, OPEN, CLOSED, OPEN), "place": 3}
 stepped = {"sides": placed["sides"], "time_step": 0.1}
 
 # What launchers share; all other files of the package are launchers.
-SHARED = {"checks", "faces", "launch", "places", "random_waves", "sampling", "sides"}
-LAUNCHING = sorted({module.name for module in iter_modules(kernels.__path__)} - SHARED)
+SHARED = {"checks", "launch", "sampling", "sides", "fluid.faces", "fluid.places", "forces.random_waves"}
+FOUND = [module for module in walk_packages(kernels.__path__, "warpfluid.kernels.") if not module.ispkg]
+LAUNCHING = sorted({module.name.removeprefix("warpfluid.kernels.") for module in FOUND} - SHARED)
 
 
 def scene(device):
@@ -212,11 +184,11 @@ LAUNCHERS = {
         {"tile": volume, "out": volume},
         {"first": (0.0, 0.0, 0.0), "spacing": (2.0, 2.0, 2.0), "gain": 1.0},
     ),
-    forces.add_buoyancy: (
+    air.add_buoyancy: (
         {**on_faces, "temperature": volume, "density": volume},
         {"up": (0, 0, 9.8), "temperature_buoyancy": 1.0, "density_buoyancy": 1.0, "reference": 1.0} | stepped,
     ),
-    forces.add_wind: ({**on_faces, "mask": volume}, {"rate": 1.0} | stepped),
+    air.add_wind: ({**on_faces, "mask": volume}, {"rate": 1.0} | stepped),
     pushes.add_push: (on_faces, {"kind": "radial", "strength": 1.0, "radius": 2.0} | stepped),
     swirl.add_swirl: ({**on_faces, "mask": volume}, {"strength": 1.0} | stepped),
     turbulence.add_turbulence: (
@@ -401,7 +373,7 @@ OPTIONAL = {
     (blur.convolve, "out"),
     (combustion.burn_fuel, "out"),
     (decay.make_mask, "out"),
-    (forces.add_wind, "mask"),
+    (air.add_wind, "mask"),
     (diffusion.spread, "scratch"),
     (diffusion.spread, "out"),
     (multigrid.apply, "right"),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import warp as wp
 
-from warpfluid.kernels import coefficients, multigrid, pressure
+from warpfluid.kernels.poisson import coefficients, multigrid, pressure
 from warpfluid.kernels.sides import CLOSED, OPEN, SIX, WRAP
 from warpfluid.simulation.state import face_shape
 

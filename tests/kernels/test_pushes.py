@@ -17,7 +17,7 @@ from mac import (
     wraps,
 )
 
-from warpfluid.kernels.pushes import KINDS, add_push
+from warpfluid.kernels.forces.pushes import KINDS, add_push
 
 CENTRE, RADIUS, DIRECTION = (4.2, 2.9, 20.3), 6.0, (1.0, -2.0, 2.0)
 

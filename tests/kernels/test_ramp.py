@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import warp as wp
 
-from warpfluid.kernels.centres import measure_speed, to_centres
-from warpfluid.kernels.ramp import look_up
-from warpfluid.kernels.reach import make_reach
+from warpfluid.kernels.fluid.centres import measure_speed, to_centres
+from warpfluid.kernels.forces.ramp import look_up
+from warpfluid.kernels.forces.reach import make_reach
 from warpfluid.kernels.sides import OPEN, SIX, WRAP
 
 SHAPE = (5, 4, 53)

@@ -5,7 +5,7 @@ import pytest
 import warp as wp
 
 from warpfluid.device import pick_device
-from warpfluid.kernels import stochastic
+from warpfluid.kernels.tomography import stochastic
 from warpfluid.projector import Projector, directions
 
 ANGLES = (0.0, 33.0, 90.0, 140.0)

@@ -5,8 +5,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from warpfluid.kernels.random_waves import NODES_A_WAVE, TILE, curl_size, draw_tiles, lay_lattice, make_waves, window
-from warpfluid.kernels.turbulence import FINEST
+from warpfluid.kernels.forces.random_waves import (
+    NODES_A_WAVE,
+    TILE,
+    curl_size,
+    draw_tiles,
+    lay_lattice,
+    make_waves,
+    window,
+)
+from warpfluid.kernels.forces.turbulence import FINEST
 
 
 @given(cells=st.tuples(*[st.integers(1, 900)] * 3), frequency=st.floats(1e-4, FINEST))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import warp as wp
 
-from warpfluid.kernels import sad
+from warpfluid.kernels.tomography import sad
 
 SHAPES = [(5, 7, 60), (1, 1, 1), (3, 1, 49), (2, 4, 3)]
 

@@ -5,8 +5,8 @@ import pytest
 import warp as wp
 
 from warpfluid.kernels.coarsen import coarsen, refine
-from warpfluid.kernels.curves import look_up
-from warpfluid.kernels.scattered import add_light, scatter_again
+from warpfluid.kernels.light.curves import look_up
+from warpfluid.kernels.light.scattered import add_light, scatter_again
 
 CHANDRASEKHAR_H1 = 2.9078  # H(1) for isotropic scattering without absorption
 

@@ -5,7 +5,7 @@ import pytest
 import warp as wp
 from scipy.ndimage import map_coordinates
 
-from warpfluid.kernels.shadow import shadow
+from warpfluid.kernels.light.shadow import shadow
 
 DIRECTIONS = [(1, 0, 0), (0, -1, 0), (0, 0, 1), (0.3, 0.5, 0.9), (-0.3, 0.5, -0.9), (1, 0.4, -0.2), (0.2, -1, 0.5)]
 

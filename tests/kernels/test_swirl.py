@@ -19,7 +19,7 @@ from mac import (
     wraps,
 )
 
-from warpfluid.kernels.swirl import add_swirl
+from warpfluid.kernels.forces.swirl import add_swirl
 
 
 def difference(field, axis, sides):

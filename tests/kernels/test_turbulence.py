@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from mac import ALL_CLOSED, ALL_OPEN, ALL_WRAP, MIXED, SHAPE, pushed, random_faces, six, still, wraps
 from scipy import fft
 
-from warpfluid.kernels.random_waves import NODES_A_WAVE, make_waves
-from warpfluid.kernels.turbulence import add_turbulence
+from warpfluid.kernels.forces.random_waves import NODES_A_WAVE, make_waves
+from warpfluid.kernels.forces.turbulence import add_turbulence
 
 PLAIN = {"strength": 2.0, "frequency": 0.1, "phase": 0.3, "octaves": 1, "seed": 0, "time_step": 1.0}
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from warpfluid.device import pick_device
 from warpfluid.kernels.launch import run_count
-from warpfluid.kernels.visual_hull import occupied_runs, silhouette_hull
+from warpfluid.kernels.tomography.visual_hull import occupied_runs, silhouette_hull
 from warpfluid.projector import Projector, directions
 
 CLEAR = 3e-4  # overlaps of box and bin shorter than this may count or not [pixel]

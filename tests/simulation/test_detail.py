@@ -7,8 +7,8 @@ from scipy.ndimage import gaussian_filter, zoom
 
 from warpfluid.device import pick_device
 from warpfluid.files.vdb import read_vdb
-from warpfluid.kernels.eddies import curl, lay_tile
-from warpfluid.kernels.fine_paths import follow_back, sample
+from warpfluid.kernels.fluid.fine_paths import follow_back, sample
+from warpfluid.kernels.forces.eddies import curl, lay_tile
 from warpfluid.options import OutputOptions, Scene, SimulateOptions
 from warpfluid.options.scene import parse_thing
 from warpfluid.run import Run

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import warp as wp
 
-from warpfluid.kernels.swirl import add_swirl
+from warpfluid.kernels.forces.swirl import add_swirl
 from warpfluid.options import ForceOptions, SimulateOptions
 from warpfluid.options.keys import Keyed
 from warpfluid.simulation.animation import Animation

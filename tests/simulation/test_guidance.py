@@ -5,7 +5,7 @@ import warp as wp
 from scipy.ndimage import gaussian_filter
 
 from warpfluid.kernels.blur import blur
-from warpfluid.kernels.guidance import blend, to_faces
+from warpfluid.kernels.fluid.guidance import blend, to_faces
 from warpfluid.simulation.displacement import advance_displacement, displaced
 from warpfluid.simulation.guidance import Footage, Motion, follow, on_faces
 from warpfluid.simulation.state import Faces, face_shape, six_sides

@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import sparse
 
-from warpfluid.kernels import coefficients, vectors
+from warpfluid.kernels import vectors
+from warpfluid.kernels.poisson import coefficients
 from warpfluid.kernels.sides import CLOSED, OPEN, WRAP
 from warpfluid.simulation.multigrid import Multigrid, transfer
 from warpfluid.simulation.state import KINDS, Faces, face_shape, six_sides

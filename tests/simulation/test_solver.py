@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import warp as wp
 
-from warpfluid.kernels.totals import total
+from warpfluid.kernels.fluid.totals import total
 from warpfluid.options import SimulateOptions
 from warpfluid.simulation.physics import Physics
 from warpfluid.simulation.placing import Placing

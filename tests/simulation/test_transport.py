@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.ndimage import gaussian_filter, map_coordinates
 
-from warpfluid.kernels import totals
+from warpfluid.kernels.fluid import totals
 from warpfluid.simulation.state import Faces, face_shape, six_sides
 from warpfluid.simulation.transport import SCHEMES, advect_scalar, advect_scalars, advect_velocity, keep_total
 

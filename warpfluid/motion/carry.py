@@ -7,7 +7,7 @@ from warpfluid.device import pick_device
 from warpfluid.kernels import vectors
 from warpfluid.kernels.advection import advect
 from warpfluid.kernels.blur import blur
-from warpfluid.kernels.flow_lift import lift
+from warpfluid.kernels.flow.flow_lift import lift
 from warpfluid.motion.optical_flow import optical_flow
 from warpfluid.projector import directions
 from warpfluid.views import Views

@@ -9,10 +9,10 @@ import numpy as np
 import warp as wp
 
 from warpfluid.device import pick_device
-from warpfluid.kernels import correlation, pictures
 from warpfluid.kernels.blur import blur
-from warpfluid.kernels.optical_flow import regularize
-from warpfluid.kernels.pair_prices import PAIRS, price_pairs
+from warpfluid.kernels.flow import correlation, pictures
+from warpfluid.kernels.flow.optical_flow import regularize
+from warpfluid.kernels.flow.pair_prices import PAIRS, price_pairs
 
 METHODS = ("nltv-ncc", "ilk", "tvl1")
 

@@ -12,7 +12,8 @@ import numpy as np
 import warp as wp
 
 from warpfluid.device import pick_device
-from warpfluid.kernels import filling, vectors
+from warpfluid.kernels import vectors
+from warpfluid.kernels.tomography import filling
 from warpfluid.motion.carry import carry
 from warpfluid.options import ReconstructOptions
 from warpfluid.reconstruction.em import Iteration, Progress, finish, footage_facts

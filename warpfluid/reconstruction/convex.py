@@ -10,7 +10,8 @@ from collections.abc import Callable
 import numpy as np
 import warp as wp
 
-from warpfluid.kernels import sad, vectors
+from warpfluid.kernels import vectors
+from warpfluid.kernels.tomography import sad
 from warpfluid.projector import Projector
 
 STEPS_A_CHECK = 25

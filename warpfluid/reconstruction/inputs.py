@@ -14,7 +14,7 @@ from scipy.ndimage import distance_transform_edt, gaussian_filter1d, grey_openin
 
 from warpfluid.balance import Balancing
 from warpfluid.footage.tone import undo_shoulder
-from warpfluid.kernels.visual_hull import silhouette_hull
+from warpfluid.kernels.tomography.visual_hull import silhouette_hull
 from warpfluid.options import ReconstructOptions
 from warpfluid.projector import Projector, directions
 from warpfluid.views import Views

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import warp as wp
 
-from warpfluid.kernels import stochastic
+from warpfluid.kernels.tomography import stochastic
 from warpfluid.projector import directions
 from warpfluid.reconstruction.convex import Progress, SadEnergy
 

@@ -6,7 +6,7 @@ import numpy as np
 import warp as wp
 
 from warpfluid.kernels.coarsen import coarsen
-from warpfluid.kernels.curves import look_up
+from warpfluid.kernels.light.curves import look_up
 from warpfluid.rendering.medium import Curve, Medium
 
 CELLS = 5  # lamps along the longest side of a box, at most

@@ -3,8 +3,8 @@
 import numpy as np
 import warp as wp
 
-from warpfluid.kernels.bricks import brick_maxima
-from warpfluid.kernels.march import Scene, march_rays
+from warpfluid.kernels.light.bricks import brick_maxima
+from warpfluid.kernels.light.march import Scene, march_rays
 from warpfluid.rendering.camera import Camera
 from warpfluid.rendering.lighting import Lighting
 from warpfluid.rendering.medium import Curve, Medium

@@ -1,7 +1,7 @@
 """How the light around a volume reaches its inside: shadows of the suns, and what comes from the sky and is scattered.
 
 The sky is gathered from 14 directions, which integrate every polynomial up to order 5 exactly (Lebedev's rule of degree
-5), on a coarse lattice, for such light changes slowly. See ``kernels/scattered.py`` for what becomes of it.
+5), on a coarse lattice, for such light changes slowly. See ``kernels/light/scattered.py`` for what becomes of it.
 """
 
 from dataclasses import dataclass
@@ -11,11 +11,11 @@ import numpy as np
 import warp as wp
 
 from warpfluid.kernels.coarsen import coarsen, refine
-from warpfluid.kernels.curves import look_up
-from warpfluid.kernels.lamps import light_of_lamps
+from warpfluid.kernels.light.curves import look_up
+from warpfluid.kernels.light.lamps import light_of_lamps
+from warpfluid.kernels.light.scattered import add_light, scatter_again
+from warpfluid.kernels.light.shadow import shadow
 from warpfluid.kernels.sampling import coarse_shape
-from warpfluid.kernels.scattered import add_light, scatter_again
-from warpfluid.kernels.shadow import shadow
 from warpfluid.rendering.fires import Fires, find_fires
 from warpfluid.rendering.harmonics import radiance
 from warpfluid.rendering.lighting import Lighting, Sun

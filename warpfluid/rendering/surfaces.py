@@ -7,8 +7,8 @@ from functools import cached_property
 import numpy as np
 import warp as wp
 
-from warpfluid.kernels.shading import Stage
-from warpfluid.kernels.surfaces import see_surfaces
+from warpfluid.kernels.light.shading import Stage
+from warpfluid.kernels.light.surfaces import see_surfaces
 from warpfluid.rendering.camera import Camera
 from warpfluid.rendering.fires import Fires
 from warpfluid.rendering.harmonics import COSINE

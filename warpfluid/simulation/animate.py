@@ -12,7 +12,7 @@ import numpy as np
 import warp as wp
 
 from warpfluid.kernels import vectors
-from warpfluid.kernels.totals import scale, total
+from warpfluid.kernels.fluid.totals import scale, total
 from warpfluid.metrics import psnr
 from warpfluid.options.keys import Keyed
 from warpfluid.run import Run

@@ -15,16 +15,18 @@ from collections.abc import Mapping
 import numpy as np
 import warp as wp
 
-from warpfluid.kernels import eddies, fine_paths, vectors
+from warpfluid.kernels import vectors
 from warpfluid.kernels.blur import blur
-from warpfluid.kernels.centres import to_centres
 from warpfluid.kernels.coarsen import coarsen, refine
-from warpfluid.kernels.lattice import interpolate
-from warpfluid.kernels.random_waves import NODES_A_WAVE, TILE, curl_size, draw_tiles, make_waves
+from warpfluid.kernels.fluid import fine_paths
+from warpfluid.kernels.fluid.centres import to_centres
+from warpfluid.kernels.fluid.totals import scale, total
+from warpfluid.kernels.fluid.tracing import CENTRE, trace
+from warpfluid.kernels.fluid.transport import carry
+from warpfluid.kernels.forces import eddies
+from warpfluid.kernels.forces.lattice import interpolate
+from warpfluid.kernels.forces.random_waves import NODES_A_WAVE, TILE, curl_size, draw_tiles, make_waves
 from warpfluid.kernels.sides import SIX
-from warpfluid.kernels.totals import scale, total
-from warpfluid.kernels.tracing import CENTRE, trace
-from warpfluid.kernels.transport import carry
 from warpfluid.simulation.fields import mark_fluid
 from warpfluid.simulation.state import CELLS, Faces, FluidState
 from warpfluid.simulation.written import Fields

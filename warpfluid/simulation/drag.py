@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import warp as wp
 
-from warpfluid.kernels.probe import probe
+from warpfluid.kernels.fluid.probe import probe
 from warpfluid.simulation.shapes import SWAP
 from warpfluid.simulation.state import FluidState
 

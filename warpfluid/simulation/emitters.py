@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 import warp as wp
 
-from warpfluid.kernels import emission, shares
+from warpfluid.kernels.fluid import emission
+from warpfluid.kernels.poisson import shares
 from warpfluid.simulation.shapes import SWAP, Index, Placed, Plane, signed_distance
 from warpfluid.simulation.state import FluidState
 

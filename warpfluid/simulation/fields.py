@@ -2,9 +2,10 @@
 
 import warp as wp
 
-from warpfluid.kernels import decay, vectors
-from warpfluid.kernels.centres import measure_speed
-from warpfluid.kernels.ramp import look_up
+from warpfluid.kernels import vectors
+from warpfluid.kernels.fluid import decay
+from warpfluid.kernels.fluid.centres import measure_speed
+from warpfluid.kernels.forces.ramp import look_up
 from warpfluid.options.keys import Keyed, Ramp, is_ramp
 from warpfluid.simulation.placing import Placing
 from warpfluid.simulation.state import FluidState

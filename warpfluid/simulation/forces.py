@@ -5,13 +5,13 @@ from typing import NamedTuple
 import numpy as np
 import warp as wp
 
-from warpfluid.kernels import decay
 from warpfluid.kernels.blur import blur
-from warpfluid.kernels.forces import add_buoyancy, add_wind
-from warpfluid.kernels.pushes import add_push
-from warpfluid.kernels.reach import make_reach
-from warpfluid.kernels.swirl import add_swirl
-from warpfluid.kernels.turbulence import add_turbulence
+from warpfluid.kernels.fluid import decay
+from warpfluid.kernels.forces.air import add_buoyancy, add_wind
+from warpfluid.kernels.forces.pushes import add_push
+from warpfluid.kernels.forces.reach import make_reach
+from warpfluid.kernels.forces.swirl import add_swirl
+from warpfluid.kernels.forces.turbulence import add_turbulence
 from warpfluid.options import ForceOptions
 from warpfluid.options.keys import Keyed
 from warpfluid.options.scene import EVERYWHERE

@@ -9,8 +9,8 @@ import warp as wp
 
 from warpfluid.balance import Balancing
 from warpfluid.kernels.blur import blur
-from warpfluid.kernels.flow_lift import lift
-from warpfluid.kernels.guidance import blend, guide, mix, to_faces
+from warpfluid.kernels.flow.flow_lift import lift
+from warpfluid.kernels.fluid.guidance import blend, guide, mix, to_faces
 from warpfluid.kernels.sides import SIX
 from warpfluid.motion.carry import smooth
 from warpfluid.motion.optical_flow import optical_flow

@@ -2,7 +2,8 @@
 
 import warp as wp
 
-from warpfluid.kernels import decay, vectors
+from warpfluid.kernels import vectors
+from warpfluid.kernels.fluid import decay
 from warpfluid.simulation.physics import Physics
 from warpfluid.simulation.state import FluidState
 

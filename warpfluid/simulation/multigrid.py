@@ -10,8 +10,9 @@ import functools
 import numpy as np
 import warp as wp
 
-from warpfluid.kernels import coefficients, vectors
-from warpfluid.kernels import multigrid as kernels
+from warpfluid.kernels import vectors
+from warpfluid.kernels.poisson import coefficients
+from warpfluid.kernels.poisson import multigrid as kernels
 from warpfluid.kernels.sides import CLOSED, OPEN, SIX, WRAP
 from warpfluid.simulation.state import Faces, face_shape
 

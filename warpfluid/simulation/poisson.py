@@ -5,8 +5,8 @@ import weakref
 import numpy as np
 import warp as wp
 
-from warpfluid.kernels import pressure as kernels
-from warpfluid.kernels import walls
+from warpfluid.kernels.poisson import pressure as kernels
+from warpfluid.kernels.poisson import walls
 from warpfluid.kernels.sides import OPEN, SIX
 from warpfluid.simulation import spectral
 from warpfluid.simulation.multigrid import Multigrid

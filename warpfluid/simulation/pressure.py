@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 import warp as wp
 
-from warpfluid.kernels import checks, shares, vectors, walls
-from warpfluid.kernels import pressure as kernels
+from warpfluid.kernels import checks, vectors
+from warpfluid.kernels.poisson import pressure as kernels
+from warpfluid.kernels.poisson import shares, walls
 from warpfluid.kernels.sides import SIX
 from warpfluid.simulation.poisson import EmptyBox, FilledBox
 from warpfluid.simulation.state import Faces, Solids, face_shape

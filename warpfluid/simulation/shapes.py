@@ -11,7 +11,7 @@ from typing import ClassVar
 import numpy as np
 import warp as wp
 
-from warpfluid.kernels import shapes
+from warpfluid.kernels.fluid import shapes
 from warpfluid.simulation.triangles import check_closed, weigh
 
 Index = tuple[int, int, int]

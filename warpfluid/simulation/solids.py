@@ -6,7 +6,8 @@ from itertools import product
 
 import warp as wp
 
-from warpfluid.kernels import shapes, shares
+from warpfluid.kernels.fluid import shapes
+from warpfluid.kernels.poisson import shares
 from warpfluid.kernels.sides import SIX, WRAP
 from warpfluid.simulation.shapes import SWAP, Index, Placed, Plane, signed_distance
 from warpfluid.simulation.state import Faces, Solids, face_shape

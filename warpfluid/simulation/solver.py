@@ -10,9 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 import warp as wp
 
-from warpfluid.kernels import combustion, decay, vectors
+from warpfluid.kernels import vectors
+from warpfluid.kernels.fluid import combustion, decay
+from warpfluid.kernels.fluid.totals import total
 from warpfluid.kernels.sides import OPEN
-from warpfluid.kernels.totals import total
 from warpfluid.simulation.emitters import Emitter, emit
 from warpfluid.simulation.forces import Force, add_forces
 from warpfluid.simulation.guidance import Motion

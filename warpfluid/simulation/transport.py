@@ -10,10 +10,10 @@ from collections.abc import Sequence
 
 import warp as wp
 
-from warpfluid.kernels import correction, spline, totals, transport
-from warpfluid.kernels.diffusion import spread
+from warpfluid.kernels.fluid import correction, spline, totals, transport
+from warpfluid.kernels.fluid.diffusion import spread
+from warpfluid.kernels.fluid.tracing import CENTRE, trace
 from warpfluid.kernels.sides import SIX
-from warpfluid.kernels.tracing import CENTRE, trace
 from warpfluid.simulation.state import Faces, face_shape
 
 SCHEMES = ("semi-lagrangian", "maccormack", "bfecc", "cubic")

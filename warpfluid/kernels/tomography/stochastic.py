@@ -13,8 +13,8 @@ import warp as wp
 
 from warpfluid.kernels import checks
 from warpfluid.kernels.launch import each
-from warpfluid.kernels.projection import FOOTPRINTS
-from warpfluid.kernels.quanta import DRAW, SHADE, WEIGH
+from warpfluid.kernels.tomography.projection import FOOTPRINTS
+from warpfluid.kernels.tomography.quanta import DRAW, SHADE, WEIGH
 
 wp.set_module_options({"enable_backward": False})
 

@@ -12,8 +12,8 @@ import math
 import warp as wp
 
 from warpfluid.kernels import checks
-from warpfluid.kernels.curves import place_on_curve
 from warpfluid.kernels.launch import CPU_RUN, CUDA_RUN, launch
+from warpfluid.kernels.light.curves import place_on_curve
 from warpfluid.kernels.sampling import coarse_place, coarse_shape, trilinear
 
 wp.set_module_options({"enable_backward": False})

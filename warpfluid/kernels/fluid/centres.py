@@ -3,7 +3,7 @@
 import warp as wp
 
 from warpfluid.kernels import checks
-from warpfluid.kernels.faces import check_faces, launch_run
+from warpfluid.kernels.fluid.faces import check_faces, launch_run
 
 wp.set_module_options({"enable_backward": False})
 

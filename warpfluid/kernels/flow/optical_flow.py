@@ -9,8 +9,8 @@ small, and its fields stay in the cache: one thread a launch is quicker than sha
 import warp as wp
 
 from warpfluid.kernels import checks
+from warpfluid.kernels.flow.pair_prices import PAIRS
 from warpfluid.kernels.launch import CPU_RUN, CUDA_RUN, RUN_OF_HEIGHTS, run_count
-from warpfluid.kernels.pair_prices import PAIRS
 
 wp.set_module_options({"enable_backward": False})
 

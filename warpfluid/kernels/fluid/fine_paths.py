@@ -4,7 +4,7 @@ import warp as wp
 
 from warpfluid.kernels import checks
 from warpfluid.kernels.blur import convolve
-from warpfluid.kernels.faces import launch_run
+from warpfluid.kernels.fluid.faces import launch_run
 from warpfluid.kernels.sampling import spline_taps, spline_weights
 
 wp.set_module_options({"enable_backward": False})

@@ -3,8 +3,8 @@
 import warp as wp
 
 from warpfluid.kernels import checks
-from warpfluid.kernels.faces import launch_run
-from warpfluid.kernels.pushes import away
+from warpfluid.kernels.fluid.faces import launch_run
+from warpfluid.kernels.forces.pushes import away
 from warpfluid.kernels.sides import SIX, WRAP
 
 wp.set_module_options({"enable_backward": False})

@@ -6,7 +6,7 @@ Edges along an axis lie between four voxels: there is one more of them along eac
 import warp as wp
 
 from warpfluid.kernels import checks
-from warpfluid.kernels.faces import check_faces, launch_run, on_wall
+from warpfluid.kernels.fluid.faces import check_faces, launch_run, on_wall
 from warpfluid.kernels.sides import SIX, WRAP
 
 wp.set_module_options({"enable_backward": False})

@@ -7,7 +7,7 @@ import math
 
 import warp as wp
 
-from warpfluid.kernels.faces import check_faces, launch_run, on_wall
+from warpfluid.kernels.fluid.faces import check_faces, launch_run, on_wall
 from warpfluid.kernels.sides import SIX, WRAP
 
 wp.set_module_options({"enable_backward": False})

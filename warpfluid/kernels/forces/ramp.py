@@ -4,7 +4,7 @@ import numpy as np
 import warp as wp
 
 from warpfluid.kernels import checks
-from warpfluid.kernels.faces import launch_run
+from warpfluid.kernels.fluid.faces import launch_run
 
 wp.set_module_options({"enable_backward": False})
 

@@ -4,7 +4,7 @@ import math
 
 import warp as wp
 
-from warpfluid.kernels.faces import check_faces, face_mean, launch_run, on_wall
+from warpfluid.kernels.fluid.faces import check_faces, face_mean, launch_run, on_wall
 from warpfluid.kernels.sides import SIX
 
 wp.set_module_options({"enable_backward": False})

@@ -5,7 +5,7 @@ import math
 import warp as wp
 
 from warpfluid.kernels import checks
-from warpfluid.kernels.faces import launch_run
+from warpfluid.kernels.fluid.faces import launch_run
 
 wp.set_module_options({"enable_backward": False})
 

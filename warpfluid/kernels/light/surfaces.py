@@ -4,7 +4,7 @@ import warp as wp
 
 from warpfluid.kernels import checks
 from warpfluid.kernels.launch import launch
-from warpfluid.kernels.shading import FAR, Hit, Stage, shade
+from warpfluid.kernels.light.shading import FAR, Hit, Stage, shade
 
 wp.set_module_options({"enable_backward": False})
 

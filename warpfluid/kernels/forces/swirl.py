@@ -8,7 +8,7 @@ import math
 
 import warp as wp
 
-from warpfluid.kernels.faces import check_faces, face_mean, launch_run, on_wall
+from warpfluid.kernels.fluid.faces import check_faces, face_mean, launch_run, on_wall
 from warpfluid.kernels.launch import CPU_RUN, CUDA_RUN, launch
 from warpfluid.kernels.sides import SIX, WRAP
 

@@ -10,10 +10,10 @@ import math
 import numpy as np
 import warp as wp
 
-from warpfluid.kernels.edges import add_curl, mask_edges
-from warpfluid.kernels.faces import check_faces
-from warpfluid.kernels.lattice import interpolate
-from warpfluid.kernels.random_waves import Lattice, Waves, curl_size, draw_tiles, lay_lattice, make_waves, window
+from warpfluid.kernels.fluid.faces import check_faces
+from warpfluid.kernels.forces.edges import add_curl, mask_edges
+from warpfluid.kernels.forces.lattice import interpolate
+from warpfluid.kernels.forces.random_waves import Lattice, Waves, curl_size, draw_tiles, lay_lattice, make_waves, window
 from warpfluid.kernels.sides import SIX, WRAP
 
 FINEST = 0.25  # [cycles/voxel]: a wave of four voxels; finer ones the grid does not carry

@@ -9,7 +9,7 @@ import math
 import warp as wp
 
 from warpfluid.kernels import checks
-from warpfluid.kernels.faces import launch_run
+from warpfluid.kernels.fluid.faces import launch_run
 from warpfluid.kernels.launch import elementwise
 from warpfluid.kernels.sampling import coarse_place, trilinear
 

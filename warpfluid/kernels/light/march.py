@@ -6,9 +6,9 @@
 import warp as wp
 
 from warpfluid.kernels import checks
-from warpfluid.kernels.bricks import BRICK
 from warpfluid.kernels.launch import launch
-from warpfluid.kernels.ray import CAMERA, DARK, ERRORS, GEOMETRY, HALF_WAY, HALVE, MEET, MOST_SUNS, PASS, PLACE
+from warpfluid.kernels.light.bricks import BRICK
+from warpfluid.kernels.light.ray import CAMERA, DARK, ERRORS, GEOMETRY, HALF_WAY, HALVE, MEET, MOST_SUNS, PASS, PLACE
 
 wp.set_module_options({"enable_backward": False})
 

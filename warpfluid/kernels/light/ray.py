@@ -7,7 +7,7 @@ the field is read between the planes as well. Extinction is linear and light is 
 so that a ray's transmittance and the light that is scattered in uniform surroundings stay exact.
 """
 
-from warpfluid.kernels.bricks import BRICK
+from warpfluid.kernels.light.bricks import BRICK
 
 CAMERA = 16  # numbers: eye, right, up, forward (x, z, y each), pixel, shift right, shift up, perspective
 EXTINCTION, EMISSION, ALBEDO = range(3)

@@ -7,8 +7,8 @@ linearly, which makes no new extremes but blurs.
 import warp as wp
 
 from warpfluid.kernels import checks
+from warpfluid.kernels.fluid.places import PLACES, check_places
 from warpfluid.kernels.launch import launch
-from warpfluid.kernels.places import PLACES, check_places
 from warpfluid.kernels.sides import SIX
 
 wp.set_module_options({"enable_backward": False})

@@ -1,0 +1,1 @@
+"""Optical flow between pictures, and lifted into volumes."""

@@ -1,0 +1,1 @@
+"""What pushes and stirs a fluid."""

@@ -1,0 +1,1 @@
+"""Light through a medium: marched rays, shadows, lamps, surfaces."""

@@ -1,0 +1,1 @@
+"""The pressure step: what solids and walls leave open, and the Poisson equation."""

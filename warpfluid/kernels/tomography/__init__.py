@@ -1,0 +1,1 @@
+"""Rays, the visual hull, and the steps of tomography."""
