@@ -1,6 +1,18 @@
 """The command line, a file for each command."""
 
-from warpfluid.cli import compare, demo, doctor, export, flow, inspect, preview, reconstruct, render, simulate
+from warpfluid.cli import (
+    compare,
+    completion,
+    demo,
+    doctor,
+    export,
+    flow,
+    inspect,
+    preview,
+    reconstruct,
+    render,
+    simulate,
+)
 from warpfluid.cli.app import app, main
 from warpfluid.cli.examples import show_examples
 
@@ -9,6 +21,7 @@ show_examples(app)
 __all__ = [
     "app",
     "compare",
+    "completion",
     "demo",
     "doctor",
     "export",

@@ -16,9 +16,11 @@ NO_CHOICES = get_args(CompareFlags)[0]()
 
 @app.command
 def compare(
-    *results: Annotated[str, Parameter(help="Runs, or volumes: a folder, pattern or file, .vdb, .nvdb, .vti or .npz")],
+    *results: Annotated[
+        str | Path, Parameter(help="Runs, or volumes: a folder, pattern or file, .vdb, .nvdb, .vti or .npz")
+    ],
     truth: Annotated[
-        str | None, Parameter(help="The true volumes, or a run that counts as true", metavar="VOLUMES")
+        str | Path | None, Parameter(help="The true volumes, or a run that counts as true", metavar="VOLUMES")
     ] = None,
     out: Annotated[
         list[Path] | None,

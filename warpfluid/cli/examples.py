@@ -14,6 +14,7 @@ EXAMPLES = {
     "export": "warpfluid export fire --format blender -o fire-in-blender",
     "flow": "warpfluid flow --front clip.mp4 -o motion",
     "doctor": "warpfluid doctor",
+    "completion": "warpfluid completion bash",
 }
 
 

@@ -7,7 +7,7 @@ from typing import Annotated, get_args
 from cyclopts import Parameter
 
 from warpfluid.cli.app import app
-from warpfluid.cli.flags import COMMON, Common, make_flags
+from warpfluid.cli.flags import COMMON, Common, SourceArgument, make_flags
 from warpfluid.options import ExportOptions
 
 ExportFlags = make_flags(ExportOptions, "Files", 1)
@@ -16,7 +16,7 @@ NO_CHOICES = get_args(ExportFlags)[0]()
 
 @app.command
 def export(
-    source: Annotated[str, Parameter(help="A run, or volumes: a folder, pattern or file, .vdb, .nvdb, .vti or .npz")],
+    source: SourceArgument,
     *,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"], help="Folder to write to; needed")] = None,
     resume: Annotated[bool, Parameter(negative=(), help="Continue an export: frames that are there are kept")] = False,

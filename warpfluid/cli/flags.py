@@ -10,6 +10,8 @@ from warpfluid.cli.app import spell
 from warpfluid.options import InputOptions, OutputOptions, ReconstructOptions, SimulateOptions
 from warpfluid.options.checks import VECTORS
 
+PATHS = {"background", "camera", "probe", "look"}  # options that are paths, or may be
+
 
 def _whole_number(_, tokens) -> int:
     """Return a flag's number; without this cyclopts cuts 3.5 to 3 without a word."""
@@ -28,7 +30,7 @@ def make_flags(options: type, title: str, order: int) -> type:
         convert = _whole_number if int in (kind, *get_args(kind)) else None
         vector = option.name in VECTORS or option.name.startswith("view_")  # -1,0,0 and -60=2 look like flags
         flag = Annotated[
-            kind | None,
+            _flag_type(option.name, kind),
             Parameter(
                 help=text,
                 show_default=default,
@@ -41,6 +43,17 @@ def make_flags(options: type, title: str, order: int) -> type:
     flags = make_dataclass(f"{options.__name__}Flags", made, frozen=True, kw_only=True)
     flags.__module__ = __name__  # without a module of ours cyclopts takes it for one opaque value
     return Annotated[flags, Parameter(name="*", group=Group(title, sort_key=order))]
+
+
+def _flag_type(name: str, kind: type) -> type:
+    """Return the type of a flag, which tells the shell what to complete: nothing after a switch, files after a path."""
+    return (
+        bool
+        if kind is bool
+        else kind | Path | None
+        if name in PATHS and str in (kind, *get_args(kind))
+        else kind | None
+    )
 
 
 def metavar(kind: type) -> str | None:
@@ -57,11 +70,14 @@ NO_INPUT, NO_METHOD, NO_SIMULATION, NO_OUTPUT = (
     get_args(flags)[0]() for flags in (InputFlags, MethodFlags, SimulateFlags, OutputFlags)
 )
 
+SOURCE = Parameter(help="A run, or volumes: a folder, pattern or file, .vdb, .nvdb, .vti or .npz", metavar="SOURCE")
+# These are text; that they may be paths as well makes shells complete files.
+SourceArgument = Annotated[str | Path, SOURCE]
 FrontFlag = Annotated[
-    str | None, Parameter(help="Footage of the front: the same as --view 0=FOOTAGE", metavar="FOOTAGE")
+    str | Path | None, Parameter(help="Footage of the front: the same as --view 0=FOOTAGE", metavar="FOOTAGE")
 ]
 SideFlag = Annotated[
-    str | None,
+    str | Path | None,
     Parameter(
         help="Footage of a camera left of the front one, at a right angle: the same as --view 90=FOOTAGE",
         metavar="FOOTAGE",
@@ -70,7 +86,7 @@ SideFlag = Annotated[
 PaperFlag = Annotated[bool, Parameter(negative=(), help="Make the paper's choices; other flags count on top")]
 ConfigFlag = Annotated[Path | None, Parameter(help="Take options from a run.toml; flags count on top", metavar="FILE")]
 ViewFlag = Annotated[
-    list[str] | None,
+    list[str | Path] | None,
     Parameter(
         name=["--view"],
         allow_leading_hyphen=True,

@@ -24,7 +24,9 @@ from warpfluid.cli.flags import (
 
 @app.command
 def inspect(
-    *files: Annotated[str, Parameter(help="Files to explain: volumes, pictures, videos, stages, folders of runs")],
+    *files: Annotated[
+        str | Path, Parameter(help="Files to explain: volumes, pictures, videos, stages, folders of runs")
+    ],
     view: ViewFlag = None,
     front: FrontFlag = None,
     side: SideFlag = None,

@@ -7,7 +7,7 @@ from typing import Annotated, get_args
 from cyclopts import Parameter
 
 from warpfluid.cli.app import app
-from warpfluid.cli.flags import COMMON, Common, make_flags
+from warpfluid.cli.flags import COMMON, Common, SourceArgument, make_flags
 from warpfluid.options import PreviewOptions
 
 PreviewFlags = make_flags(PreviewOptions, "Preview", 1)
@@ -16,7 +16,7 @@ NO_CHOICES = get_args(PreviewFlags)[0]()
 
 @app.command
 def preview(
-    source: Annotated[str, Parameter(help="A run, or volumes: a folder, pattern or file, .vdb, .nvdb, .vti or .npz")],
+    source: SourceArgument,
     *,
     html: Annotated[Path | None, Parameter(help="Write a page that plays them in any browser, .html")] = None,
     screenshot: Annotated[Path | None, Parameter(help="Draw the window into a picture instead, .png")] = None,

@@ -7,7 +7,7 @@ from typing import Annotated, get_args
 from cyclopts import Parameter
 
 from warpfluid.cli.app import app
-from warpfluid.cli.flags import COMMON, ClusterFlag, Common, JobsFlag, make_flags
+from warpfluid.cli.flags import COMMON, ClusterFlag, Common, JobsFlag, SourceArgument, make_flags
 from warpfluid.errors import Problems
 from warpfluid.options import CameraOptions, LightOptions, RenderOptions
 
@@ -19,7 +19,7 @@ NO_CAMERA, NO_LIGHT, NO_PICTURE = (get_args(flags)[0]() for flags in (CameraFlag
 
 @app.command
 def render(
-    source: Annotated[str, Parameter(help="A run, or volumes: a folder, pattern or file, .vdb, .nvdb, .vti or .npz")],
+    source: SourceArgument,
     *,
     out: Annotated[
         Path | None,

@@ -10,6 +10,7 @@ from warpfluid.cli.flags import (
     COMMON,
     NO_OUTPUT,
     NO_SIMULATION,
+    SOURCE,
     Common,
     ConfigFlag,
     OutputFlags,
@@ -17,6 +18,7 @@ from warpfluid.cli.flags import (
     SimulateFlags,
     settings_of_run,
 )
+from warpfluid.presets import preset_names
 
 
 def _things(kind: str, text: str) -> type:
@@ -26,13 +28,12 @@ def _things(kind: str, text: str) -> type:
 
 @app.command
 def simulate(
-    source: Annotated[
-        str | None, Parameter(help="A run, or volumes: a folder, pattern or file, .vdb, .nvdb, .vti or .npz")
-    ] = None,
+    source: Annotated[str | Path | None, SOURCE] = None,
     *,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"], help="Folder of the new run; needed")] = None,
     preset: Annotated[
-        str | None, Parameter(help="fire, smoke, explosion or splash; see presets", metavar="NAME")
+        str | None,
+        Parameter(help="Choices made for a kind of fluid; see presets", choices=preset_names(), metavar="NAME"),
     ] = None,
     size: Annotated[
         str | None, Parameter(help="Voxels of an empty box, 96x144 by default", metavar="WIDTHxHEIGHT")
