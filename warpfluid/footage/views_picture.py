@@ -21,6 +21,10 @@ SKY, GROUND = (23, 27, 36), (9, 11, 15)
 PAPER = (35, 41, 54)
 LIGHT = np.array([1.0, 0.93, 0.82])  # a lamp's white, so that grey pictures glow
 GLOW = np.array([1.0, 0.62, 0.30])
+GLOW_WORDS = (
+    "glow: a guess before the run, its depth made up",
+    "glow: a guess before the run, where all views see light",
+)
 LINES = (120, 132, 156)
 WORDS = (196, 204, 220)
 COLOURS = ((255, 178, 72), (86, 204, 242), (240, 120, 160), (130, 220, 130), (190, 150, 255))
@@ -190,8 +194,10 @@ def _draw_lines(picture, views: Views, scene: _Scene) -> None:
     _draw_box(pen, scene)
     _draw_axes(pen, scene)
     u, v = views.size
-    text = f"box {u} x {v} x {u} voxels"
-    pen.text((scene.width - 40, scene.height - 40), text, font=_font(15), fill=(*WORDS, 150), anchor="rs")
+    lines = (GLOW_WORDS[len(views.images) > 1], f"box {u} x {v} x {u} voxels")
+    for text, row, colour in zip(lines, (76, 40), (GLOW, np.array(WORDS) / 255), strict=True):
+        shade = (*(255 * colour).astype(int).tolist(), 190)
+        pen.text((scene.width - 40, scene.height - row), text, font=_font(15), fill=shade, anchor="rs")
 
 
 def _draw_view(pen, scene: _Scene, angle_deg: float, colour: tuple[int, int, int]) -> None:
