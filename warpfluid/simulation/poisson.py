@@ -2,7 +2,6 @@
 
 import weakref
 
-import numpy as np
 import warp as wp
 
 from warpfluid.kernels.poisson import pressure as kernels
@@ -19,9 +18,9 @@ STANDING = weakref.WeakKeyDictionary()  # what was worked out of solids, for the
 class EmptyBox:
     """One fluid fills the box."""
 
-    def __init__(self, shape: tuple[int, int, int], sides: SIX):
+    def __init__(self, shape: tuple[int, int, int], sides: SIX, device: wp.Device):
         """Set memory aside."""
-        self.sides, self.scratch = sides, np.empty(shape, np.float32)
+        self.sides, self.scratch = sides, wp.empty(shape, dtype=float, device=device)
 
     def drop_impossible(self, excess: wp.array) -> None:
         """Take away what no pressure can change: the mean, where all sides are shut."""
@@ -30,8 +29,7 @@ class EmptyBox:
 
     def solve(self, excess: wp.array, target: float) -> tuple[wp.array, int]:
         """Return the pressure whose Laplacian is given, and that it took one solve; overwrites its argument."""
-        pressure = spectral.solve(excess.numpy(), self.sides, self.scratch)
-        return wp.array(pressure, dtype=float, device=excess.device), 1
+        return spectral.solve(excess, self.sides, self.scratch), 1
 
     def subtract_gradient(self, pressure: wp.array, velocity: Faces) -> None:
         """Take the gradient of a pressure from a velocity, in place."""

@@ -74,7 +74,7 @@ def make_incompressible(
     method = _pick(method, velocity.x.device, solids, mass)
     hold(velocity, sides, solids)
     device = velocity.x.device
-    box = EmptyBox(shape, sides) if method == "direct" else FilledBox(shape, sides, solids, mass, device)
+    box = EmptyBox(shape, sides, device) if method == "direct" else FilledBox(shape, sides, solids, mass, device)
     excess = wp.empty(shape, dtype=float, device=device)
     left = before = _measure(velocity, expansion, solids, box, excess)
     if pressure is not None:

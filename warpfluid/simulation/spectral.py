@@ -2,18 +2,19 @@
 
 Along one axis the Laplacian is a small symmetric matrix whose ends say what the two sides are, so its eigenvectors
 are the sines, cosines or Fourier modes that fit the sides (Buzbee, Golub and Nielson 1970). Changing basis is a matrix
-product, which is faster here than a fast transform: a fluid is a few hundred voxels wide, often a prime number. Few
-large products are made, no small ones: threads of a BLAS wait for each other in each.
+product, which is faster here than a fast transform: a fluid is a few hundred voxels wide, often a prime number.
 """
 
 import functools
+from dataclasses import dataclass
 
 import numpy as np
+import warp as wp
 
+from warpfluid.kernels.poisson.modes import change_basis, invert_laplacian
 from warpfluid.kernels.sides import CLOSED, OPEN, SIX, WRAP
 
 
-@functools.lru_cache(maxsize=16)
 def diagonalise(n: int, low: int, high: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the eigenvectors (columns) and eigenvalues of minus the Laplacian of a row of n voxels.
 
@@ -36,32 +37,40 @@ def diagonalise(n: int, low: int, high: int) -> tuple[np.ndarray, np.ndarray]:
     return vectors.astype(np.float32), (2.0 - 2.0 * np.cos(turns)).astype(np.float32)
 
 
-def solve(divergence: np.ndarray, sides: SIX, scratch: np.ndarray) -> np.ndarray:
+def solve(divergence: wp.array, sides: SIX, scratch: wp.array) -> wp.array:
     """Return the pressure whose Laplacian is a divergence; where nothing fixes its mean, the mean is 0.
 
     Args:
-        divergence: Shape (x, z, y), C-contiguous float32; overwritten.
+        divergence: Shape (x, z, y); overwritten.
         sides: What the sides of the box are.
         scratch: Memory of the same shape.
 
     Returns:
-        The pressure; in ``divergence`` or ``scratch``.
+        The pressure, in ``divergence``.
     """
-    nx, nz, ny = divergence.shape
-    (x, values_x), (z, values_z), (y, values_y) = (
-        diagonalise(n, int(sides[2 * axis]), int(sides[2 * axis + 1])) for axis, n in enumerate(divergence.shape)
-    )
-    a, b = divergence, scratch
-    np.matmul(x.T, a.reshape(nx, -1), out=b.reshape(nx, -1))
-    np.copyto(a.reshape(nz, nx, ny), b.transpose(1, 0, 2))
-    np.matmul(z.T, a.reshape(nz, -1), out=b.reshape(nz, -1))
-    np.matmul(b.reshape(-1, ny), y, out=a.reshape(-1, ny))
-    plane = values_x[:, None] + values_y
-    for slab, value in zip(a.reshape(nz, nx, ny), values_z, strict=True):
-        total = plane + value
-        slab *= np.divide(-1.0, total, out=np.zeros_like(total), where=total > 0.0)
-    np.matmul(a.reshape(-1, ny), y.T, out=b.reshape(-1, ny))
-    np.matmul(z, b.reshape(nz, -1), out=a.reshape(nz, -1))
-    np.copyto(b, a.reshape(nz, nx, ny).transpose(1, 0, 2))
-    np.matmul(x, b.reshape(nx, -1), out=a.reshape(nx, -1))
-    return a
+    device = str(divergence.device)
+    axes = [_on(device, n, int(sides[2 * axis]), int(sides[2 * axis + 1])) for axis, n in enumerate(divergence.shape)]
+    field, other = divergence, scratch
+    for axis in (0, 1, 2):
+        field, other = change_basis(field, axes[axis].modes, axis=axis, out=other), field
+    invert_laplacian(*(axis.values for axis in axes), out=field)
+    for axis in (2, 1, 0):
+        field, other = change_basis(field, axes[axis].back, axis=axis, out=other), field
+    return field
+
+
+@dataclass(frozen=True)
+class _Axis:
+    """Modes along an axis as columns, as rows, and their eigenvalues."""
+
+    modes: wp.array
+    back: wp.array
+    values: wp.array
+
+
+@functools.lru_cache(maxsize=16)
+def _on(device: str, n: int, low: int, high: int) -> _Axis:
+    """Return the modes of a row of n voxels on a device."""
+    vectors, values = diagonalise(n, low, high)
+    parts = (vectors, np.ascontiguousarray(vectors.T), values)
+    return _Axis(*(wp.array(part, dtype=float, device=device) for part in parts))
