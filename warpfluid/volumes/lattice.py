@@ -11,10 +11,11 @@ from pathlib import Path
 import numpy as np
 
 from warpfluid.files.grids import GridFacts, GridFile
+from warpfluid.files.limits import MOST_A_BYTE, TRUSTED
 
 NEAR = 0.02  # of a voxel: what transforms in 32 bits get wrong
+FAR = 2.0**40  # voxels; what lies further aside is outside anyway
 SAME = 1e-4  # relative difference of voxel sizes that counts as none
-MOST_VOXELS = 2**32
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,8 @@ class Lattice:
 
     def offset(self, origin: Iterable[float]) -> np.ndarray:
         """Return the voxel of this lattice at which another one begins, float, shape (3,)."""
-        return (np.asarray(origin) - self.origin) / self.voxel_size
+        with np.errstate(over="ignore", invalid="ignore"):  # damaged files lie anywhere
+            return (np.asarray(origin) - self.origin) / self.voxel_size
 
     def place(self, array: np.ndarray, origin: Iterable[float]) -> np.ndarray:
         """Return an array on this lattice: cut where it is larger, with 0 where it is smaller.
@@ -42,7 +44,7 @@ class Lattice:
             array: Shape (x, y, z) or (x, y, z, 3).
             origin: Centre of its first voxel [world unit].
         """
-        first = np.rint(self.offset(origin)).astype(int)
+        first = np.nan_to_num(np.rint(self.offset(origin))).clip(-FAR, FAR).astype(int)
         if not first.any() and array.shape[:3] == self.shape:
             return array
         placed = np.zeros((*self.shape, *array.shape[3:]), array.dtype)
@@ -91,6 +93,9 @@ def lit_part(file: GridFile) -> Lattice | None:
 def join(parts: Mapping[Path, Lattice | None]) -> Lattice | None:
     """Return the lattice that holds all others; None if there is none.
 
+    Args:
+        parts: By the file that each is of.
+
     Raises:
         ValueError: If voxels differ in size, or lie between those of others, or are too many.
     """
@@ -109,8 +114,10 @@ def join(parts: Mapping[Path, Lattice | None]) -> Lattice | None:
         lows.append(np.rint(offset))
         highs.append(np.rint(offset) + part.shape)
     low, high = np.min(lows, 0), np.max(highs, 0)
-    if np.prod(high - low) > MOST_VOXELS:
+    stored = sum(path.stat().st_size for path in there)
+    if not np.prod(high - low) <= TRUSTED + MOST_A_BYTE * stored:
         sides = " x ".join(f"{n:.0f}" for n in high - low)
-        raise ValueError(f"{first_path.parent}: the volumes are spread over {sides} voxels; choose fewer frames")
+        where = first_path.parent if len(there) > 1 else first_path
+        raise ValueError(f"{where}: the volumes are spread over {sides} voxels; choose fewer frames")
     origin = tuple(a + first.voxel_size * b for a, b in zip(first.origin, low.tolist(), strict=True))
     return Lattice(first.voxel_size, origin, tuple(int(n) for n in high - low))

@@ -231,6 +231,8 @@ def _common(files: dict[int, Path], facts: dict[int, list[GridFacts]], density: 
         if grid.about.get("placed") is False:
             return None
         fit = [other for other in facts[frame] if other.readable and other.lattice == grid.lattice]
-        parts[path] = join({Path(other.name): lattice_of(other, other.whole, up) for other in fit})
+        boxes = [other.whole for other in fit if other.whole is not None]
+        whole = np.array([np.min(boxes, 0)[0], np.max(boxes, 0)[1]]) if boxes else None
+        parts[path] = lattice_of(grid, whole, up)
     found = join(parts)
     return found or (Lattice(1.0, (0.0, 0.0, 0.0), (1, 1, 1)) if parts else None)

@@ -1,5 +1,6 @@
 """Read ``.nvdb`` files: float and vector grids."""
 
+import math
 import zlib
 from collections.abc import Collection, Iterator
 from pathlib import Path
@@ -8,13 +9,12 @@ from typing import Literal
 import numpy as np
 
 from warpfluid.files.grids import GridFacts, GridFile
+from warpfluid.files.limits import check_box, check_promise
 from warpfluid.files.nvdb import layout
 from warpfluid.files.vdb.layout import LEAF, LEAF_VOXELS, LOWER, UPPER, from_file_axes
-from warpfluid.files.vdb.tree import Tree
+from warpfluid.files.vdb.tree import Tiles, Tree
 
 KINDS = {number: kind for kind, number in layout.TYPES.items()}
-LARGEST = 2**36  # bytes of a grid; more is a damaged file
-MOST_VOXELS = 2**31
 
 
 def nvdb_facts(path: str | Path) -> list[GridFacts]:
@@ -24,7 +24,7 @@ def nvdb_facts(path: str | Path) -> list[GridFacts]:
         ValueError: If this is no such file, or it is damaged.
         OSError: If it cannot be read.
     """
-    return [_facts(name, entry) for name, entry, _ in _entries(path, Path(path).read_bytes())]
+    return [_facts(path, name, entry) for name, entry, _ in _entries(path, Path(path).read_bytes())]
 
 
 def read_nvdb(path: str | Path, names: Collection[str] | None = None, *, up: Literal["y", "z"] = "y") -> GridFile:
@@ -45,7 +45,7 @@ def read_nvdb(path: str | Path, names: Collection[str] | None = None, *, up: Lit
     names, found = ([names] if isinstance(names, str) else names), {}
     for name, entry, data in _entries(path, Path(path).read_bytes()):
         if names is None or name in names:
-            found[name] = _facts(name, entry), data
+            found[name] = _facts(path, name, entry), data
     missing = sorted(set(names or ()) - set(found))
     if missing or not found:
         raise ValueError(f"{path}: the file has no grid {', '.join(missing)}".rstrip() + "; choose among its grids")
@@ -76,26 +76,30 @@ def _entries(path: str | Path, data: bytes) -> Iterator[tuple[str, np.ndarray, t
                 listed.append((name, entry))
             for name, entry in listed:
                 size = int(entry["size"])
-                if size > len(data) - at or int(entry["memory"]) > LARGEST:
+                if size > len(data) - at:
                     raise ValueError("the file is cut short")
+                check_promise(int(entry["memory"]), len(data))
                 yield name, entry, (data[at : at + size], int(head["codec"]), int(entry["memory"]))
                 at += size
     except ValueError as error:
         raise ValueError(f"{path}: the file is damaged: {error}") from error
 
 
-def _facts(name: str, entry: np.ndarray) -> GridFacts:
-    size, box = entry["voxel_size"], entry["box"].astype(np.int64)
-    cubes = bool(np.isfinite(size).all() and size[0] > 0 and np.allclose(size, size[0]))
+def _facts(path: str | Path, name: str, entry: np.ndarray) -> GridFacts:
+    size, box, place = entry["voxel_size"], entry["box"].astype(np.int64), entry["world_box"][0]
     active = int(entry["active"])
-    # The shift of the first voxel follows from both boxes, in voxels and in the world.
-    shift = entry["world_box"][0] - box[0] * size if active else np.zeros(3)
+    with np.errstate(all="ignore"):
+        cubes = bool(np.isfinite(size).all() and size[0] > 0 and np.allclose(size, size[0]))
+        # The shift of the first voxel follows from both boxes, in voxels and in the world.
+        shift = np.round(place - box[0] * size, 12) if active else np.zeros(3)
+    if active and ((box[0] > box[1]).any() or (cubes and not np.isfinite(shift).all())):
+        raise ValueError(f"{path}: the file is damaged: grid {name!r} has a box of {box.tolist()}")
     return GridFacts(
         name=name,
         kind=KINDS.get(int(entry["type"]), f"number {int(entry['type'])}"),
         half=False,
         voxel_size=float(size[0]) if cubes else None,
-        shift=tuple(np.round(shift, 12).tolist()),
+        shift=tuple(shift.tolist()),
         box=box if active else None,
         whole=box if active else None,
         active=active,
@@ -120,11 +124,14 @@ def _read(grids: dict[str, tuple[GridFacts, bytes]], up: str) -> GridFile:
     if len(places) > 1:
         raise ValueError(f"the grids {', '.join(grids)} differ in voxel size or place; read them one by one")
     size, *shift = places.pop()
+    if not (np.isfinite([size, *shift]).all() and size > 0):
+        raise ValueError(f"voxels of size {size} at {shift}")
     boxes = [box for box in (tree.box() for tree in trees.values()) if box is not None]
     boxes = boxes or [np.array([[0, 0, 0], [-1, -1, -1]])]
     low, high = np.min(boxes, 0)[0], np.max(boxes, 0)[1]
-    if np.prod((high - low + 1).astype(float)) > MOST_VOXELS:
-        raise ValueError(f"a box of {(high - low + 1).tolist()} voxels")
+    voxels = math.prod((high - low + 1).tolist())
+    numbers = [len(tree.background) * np.array([voxels, tree.stored()], object) for tree in trees.values()]
+    check_box(*np.sum(numbers, axis=0))
     origin = np.asarray(shift) + size * low
     if up == "z":
         origin = np.array([origin[0], origin[2], 0 - (shift[1] + size * high[1])])
@@ -147,20 +154,21 @@ def _tree(facts: GridFacts, blob: bytes) -> Tree:
         for kind, n, at in zip(kinds, counts, tree["offset"][:3], strict=True)
     )
     tiles = [*_tiles(uppers, 32, LOWER, components, UPPER), *_tiles(lowers, 16, LEAF, components, LOWER)]
+    tiles = Tiles.joined(tiles, components)
     active = np.unpackbits(leaves["head"]["active"], axis=-1, bitorder="little").astype(bool)
     first = leaves["head"]["first"].astype(np.int64) // LEAF * LEAF
     values = leaves["values"].reshape(-1, LEAF_VOXELS, components)
     return Tree(np.reshape(root["background"], components), first, active, tiles, values)
 
 
-def _tiles(nodes: np.ndarray, side: int, size: int, components: int, whole: int) -> Iterator[tuple]:
+def _tiles(nodes: np.ndarray, side: int, size: int, components: int, whole: int) -> Iterator[Tiles]:
     """Yield the places of nodes that hold a value other than zero and no child."""
     for node in nodes:
         child, active = (
             np.unpackbits(node["head"][name], bitorder="little").astype(bool) for name in ("child", "active")
         )
         values = np.ascontiguousarray(node["table"][:, : 4 * components]).view("<f4")
-        for place in np.flatnonzero(~child & (active | values.any(1))):
-            index = np.array(np.unravel_index(place, (side,) * 3))
-            corner = node["head"]["box"][0].astype(np.int64) // whole * whole
-            yield corner + index * size, size, values[place], bool(active[place])
+        places = np.flatnonzero(~child & (active | values.any(1)))
+        corner = node["head"]["box"][0].astype(np.int64) // whole * whole
+        first = corner + np.stack(np.unravel_index(places, (side,) * 3), axis=-1) * size
+        yield Tiles(first, np.full(len(places), size), values[places], active[places])

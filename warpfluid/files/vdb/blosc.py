@@ -68,7 +68,7 @@ def _unpack_lz4(data: bytes, size: int) -> bytes:
             count += 4
             if not 0 < back <= len(out) or len(out) + count > size:
                 raise ValueError("the file is damaged: a packed node copies what is not there")
-            copied = out[-back:][:count]
+            copied = out[len(out) - back : len(out) - back + count]
             out += (copied * (count // back + 1))[:count]
     except IndexError:
         raise ValueError("the file is damaged: a packed node ends too early") from None

@@ -1,6 +1,7 @@
 """What a ``.vdb`` file holds, told from its metadata and trees, without the values of its voxels."""
 
 import mmap
+from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
@@ -43,13 +44,14 @@ def _facts(stream: Stream) -> list[GridFacts]:
     count = stream.number("<i")
     if count > 1 and not has_offsets:
         raise ValueError("its grids do not tell where they end; save it again with OpenVDB")
-    found: list[GridFacts] = []
+    found: dict[str, GridFacts] = {}
     for _ in range(count):
-        found.append(_grid(stream, {facts.name for facts in found}))
-    return found
+        facts = _grid(stream, found)
+        found[facts.name] = facts
+    return list(found.values())
 
 
-def _grid(stream: Stream, names: set[str]) -> GridFacts:
+def _grid(stream: Stream, names: Collection[str]) -> GridFacts:
     name, number = stream.text().partition("\x1e")[::2]
     name = f"{name}[{number}]" if name in names else name
     tree, parent = stream.text(), stream.text()
@@ -59,7 +61,7 @@ def _grid(stream: Stream, names: set[str]) -> GridFacts:
     packing = Packing(stream.number("<I"), half, components or 1)
     about = stream.metadata()
     voxel_size, shift = None, (0.0, 0.0, 0.0)
-    box, active = _stored_box(about), about.get("file_voxel_count")
+    box, active = _stored_box(about), _stored_count(about)
     try:
         voxel_size, shift = read_transform(stream, name)
     except ValueError:
@@ -85,14 +87,22 @@ def _grid(stream: Stream, names: set[str]) -> GridFacts:
 
 
 def _stored_box(about: dict) -> np.ndarray | None:
-    corners = [about.get("file_bbox_min"), about.get("file_bbox_max")]
-    return np.array(corners, np.int64) if all(isinstance(corner, tuple) for corner in corners) else None
+    """Return the box that the file tells; None where it tells none, or that of nothing."""
+    low, high = (layout.whole_numbers(about.get(f"file_bbox_{end}")) for end in ("min", "max"))
+    if low is None or high is None or any(a > b for a, b in zip(low, high, strict=True)):
+        return None
+    return np.array([low, high], np.int64)
+
+
+def _stored_count(about: dict) -> int | None:
+    count = about.get("file_voxel_count")
+    return count if type(count) is int and count >= 0 else None
 
 
 def _whole_box(about: dict, box: np.ndarray | None, active: int | None) -> np.ndarray | None:
     """Return the box of the array that was written, with any voxels that others have added."""
     boxes = [] if box is None or active == 0 else [box]
-    shape = about.get(layout.SHAPE_KEY)
-    if isinstance(shape, tuple) and len(shape) == 3 and min(shape) > 0:
+    shape = layout.whole_numbers(about.get(layout.SHAPE_KEY))
+    if shape and min(shape) > 0:
         boxes.append(layout.index_box(shape, "z" if about.get(layout.UP_KEY) == "z" else "y"))
     return np.array([np.min(boxes, 0)[0], np.max(boxes, 0)[1]]) if boxes else None

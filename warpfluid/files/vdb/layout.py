@@ -82,6 +82,12 @@ def from_file_axes(array: np.ndarray, up: str) -> np.ndarray:
     return np.swapaxes(array[:, ::-1], 1, 2)
 
 
+def whole_numbers(value: object) -> tuple[int, ...] | None:
+    """Return a fact that is three whole numbers; None for any other."""
+    sound = isinstance(value, tuple) and len(value) == 3 and all(isinstance(number, int) for number in value)
+    return value if sound else None
+
+
 def index_box(shape: tuple[int, ...], up: str) -> np.ndarray:
     """Return the first and the last index in the file, shape (2, 3), of an array of ``shape`` (x, y, z)."""
     x, y, z = (int(side) for side in shape)

@@ -9,13 +9,10 @@ from typing import Literal
 import numpy as np
 
 from warpfluid.files.grids import GridFile
+from warpfluid.files.limits import check_box
 from warpfluid.files.vdb import layout
 from warpfluid.files.vdb.stream import Packing, Stream
 from warpfluid.files.vdb.tree import Tree, read_tree
-
-# Two voxels may lie a world apart, or seem to where a byte was flipped: a nearly empty box has a limit.
-EMPTY_VOXELS = 2**27
-BOX_PER_ACTIVE = 1000
 
 
 @dataclass(frozen=True)
@@ -35,8 +32,8 @@ class _Grid:
     def boxes(self) -> list[np.ndarray]:
         """Return the boxes that the array must hold: the active voxels and the array that was written."""
         boxes = [self.tree.box()]
-        shape = self.facts.get(layout.SHAPE_KEY)
-        if isinstance(shape, tuple) and len(shape) == 3 and min(shape) > 0:
+        shape = layout.whole_numbers(self.facts.get(layout.SHAPE_KEY))
+        if shape and min(shape) > 0:
             boxes.append(layout.index_box(shape, self.up))
         return [box for box in boxes if box is not None]
 
@@ -149,9 +146,9 @@ def _on_one_lattice(grids: dict[str, _Grid], metadata: dict, trusted: bool) -> G
     boxes = [box for grid in grids.values() for box in grid.boxes()] or [np.array([[0, 0, 0], [-1, -1, -1]])]
     low, high = np.min(boxes, 0)[0], np.max(boxes, 0)[1]
     voxels = math.prod(int(side) for side in high - low + 1)
-    active = sum(np.count_nonzero(grid.tree.active) for grid in grids.values())
-    if not trusted and voxels > EMPTY_VOXELS + BOX_PER_ACTIVE * active:
-        raise ValueError(f"the file is damaged or nearly empty: {active} voxels in a box of {voxels}")
+    trees = [grid.tree for grid in grids.values()]
+    numbers = [len(tree.background) * np.array([voxels, tree.stored()], object) for tree in trees]
+    check_box(*np.sum(numbers, axis=0), trusted)
     place = [at + voxel_size * index for at, index in zip(shift, low.tolist(), strict=True)]
     if up == "z":
         place = [place[0], place[2], 0 - (shift[1] + voxel_size * int(high[1]))]

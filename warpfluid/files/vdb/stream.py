@@ -29,9 +29,16 @@ class Stream:
         start, self.position = self.position, end
         return self.data[start:end]
 
+    @property
+    def left(self) -> int:
+        """Bytes that are not read yet."""
+        return len(self.data) - self.position
+
     def seek(self, position: int) -> None:
         """Go to a place further on."""
-        self.take(position - self.position)
+        if not self.position <= position <= len(self.data):
+            raise ValueError(f"the file is damaged or cut short: no byte {position} after byte {self.position}")
+        self.position = position
 
     def unpack(self, form: str) -> tuple:
         """Return the next values in the form of ``struct``."""

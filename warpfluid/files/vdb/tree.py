@@ -1,12 +1,38 @@
 """Read the tree of one grid: nodes from the root down, then the values of the leaves."""
 
-from dataclasses import dataclass, field, replace
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
 from warpfluid.files.vdb import layout
 from warpfluid.files.vdb.leaves import active_box, as_cubes
 from warpfluid.files.vdb.stream import Packing, Stream
+
+
+@dataclass(frozen=True)
+class Tiles:
+    """Cubes of one value.
+
+    Attributes:
+        first: Index of each one's first voxel, shape (tile, 3).
+        side: Voxels a side, shape (tile,).
+        value: Shape (tile, components).
+        active: Whether it counts as filled, shape (tile,).
+    """
+
+    first: np.ndarray
+    side: np.ndarray
+    value: np.ndarray
+    active: np.ndarray
+
+    @classmethod
+    def joined(cls, parts: Iterable["Tiles"], components: int) -> "Tiles":
+        """Return the tiles of all parts."""
+        none = cls(np.zeros((0, 3), np.int64), np.zeros(0, np.int64), np.zeros((0, components)), np.zeros(0, bool))
+        parts = [none, *parts]
+        return cls(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(cls)))
 
 
 @dataclass
@@ -17,24 +43,28 @@ class Topology:
         background: The value everywhere else, shape (components,).
         leaves: Index of each leaf's first voxel, shape (leaf, 3).
         active: Each leaf's active voxels, shape (leaf, 512).
-        tiles: Cubes of one value: index of the first voxel, voxels a side, value, whether active.
+        tiles: The larger cubes.
     """
 
     background: np.ndarray
     leaves: np.ndarray
     active: np.ndarray
-    tiles: list[tuple[np.ndarray, int, np.ndarray, bool]]
+    tiles: Tiles
 
     def count(self) -> int:
         """Return the number of active voxels."""
-        return int(np.count_nonzero(self.active)) + sum(side**3 for _, side, _, active in self.tiles if active)
+        return int(np.count_nonzero(self.active)) + sum(side**3 for side in self.tiles.side[self.tiles.active].tolist())
+
+    def stored(self) -> int:
+        """Return the number of active values that a file holds for this; a tile counts as a leaf."""
+        return int(np.count_nonzero(self.active)) + layout.LEAF_VOXELS * int(np.count_nonzero(self.tiles.active))
 
     def box(self) -> np.ndarray | None:
         """Return the first and the last index of active voxels, shape (2, 3), or None where there is none."""
-        tiles = [[first, first + side - 1] for first, side, _, active in self.tiles if active]
+        first, side = self.tiles.first[self.tiles.active], self.tiles.side[self.tiles.active, None]
         leaves = active_box(self.leaves, self.active)
-        boxes = tiles if leaves is None else [*tiles, leaves]
-        return np.array([np.min(boxes, 0)[0], np.max(boxes, 0)[1]]) if boxes else None
+        corners = np.concatenate([first, first + side - 1, *([] if leaves is None else [leaves])])
+        return np.array([corners.min(0), corners.max(0)]) if len(corners) else None
 
 
 @dataclass
@@ -48,20 +78,31 @@ class Tree(Topology):
     values: np.ndarray
 
     def fill(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-        """Return the voxels from index ``low`` to ``high``, float32 of shape (i, j, k, components)."""
+        """Return the voxels from index ``low`` to ``high``, float32 of shape (i, j, k, components).
+
+        Raises:
+            ValueError: If tiles lie upon one another.
+        """
         start = low // layout.LEAF * layout.LEAF
         blocks = (high - start) // layout.LEAF + 1
         dense = np.zeros((*(blocks * layout.LEAF), len(self.background)), np.float32)
         if self.background.any():
             dense[:] = self.background
-        for first, side, value, _ in self.tiles:
-            begin, end = np.maximum(first - start, 0), np.maximum(first - start + side, 0)
-            dense[tuple(map(slice, begin, end))] = value
+        self._fill_tiles(dense, start)
         place = (self.leaves - start) // layout.LEAF
         inside = ((place >= 0) & (place < blocks)).all(1)
         cubes = as_cubes(dense)
         cubes[tuple(place[inside].T)] = self.values[inside].reshape(-1, *cubes.shape[3:])
         return dense[tuple(map(slice, low - start, high - start + 1))]
+
+    def _fill_tiles(self, dense: np.ndarray, start: np.ndarray) -> None:
+        begin = np.maximum(self.tiles.first - start, 0)
+        end = np.minimum(self.tiles.first - start + self.tiles.side[:, None], dense.shape[:3])
+        rows = np.flatnonzero((end > begin).all(1))
+        if (end - begin)[rows].prod(axis=1).sum() > math.prod(dense.shape[:3]):
+            raise ValueError("the file is damaged: its tiles lie upon one another")
+        for row in rows:
+            dense[tuple(map(slice, begin[row], end[row]))] = self.tiles.value[row]
 
 
 def read_topology(stream: Stream, packing: Packing) -> Topology:
@@ -80,8 +121,9 @@ def read_topology(stream: Stream, packing: Packing) -> Topology:
     nodes = _Nodes(stream, replace(packing, background=packing.vector(stream)))
     nodes.read_root()
     leaves = np.concatenate([np.zeros((0, 3), np.int64), *nodes.leaves])
+    tiles = Tiles.joined(nodes.tiles, packing.components)
     active = np.unpackbits(np.frombuffer(b"".join(nodes.masks), np.uint8), bitorder="little").view(bool)
-    return Topology(nodes.packing.background, leaves, active.reshape(len(leaves), layout.LEAF_VOXELS), nodes.tiles)
+    return Topology(nodes.packing.background, leaves, active.reshape(len(leaves), layout.LEAF_VOXELS), tiles)
 
 
 def read_tree(stream: Stream, packing: Packing) -> Tree:
@@ -99,6 +141,8 @@ def read_tree(stream: Stream, packing: Packing) -> Tree:
     """
     found = read_topology(stream, packing)
     packing, active = replace(packing, background=found.background), found.active
+    if 65 * len(active) > stream.left:
+        raise ValueError(f"the file is damaged or cut short: no {len(active)} leaves at byte {stream.position}")
     masks = np.packbits(active, axis=-1, bitorder="little").tobytes()
     values = np.empty((*active.shape, packing.components), np.float32)
     values[:] = found.background
@@ -125,7 +169,7 @@ class _Nodes:
             first = np.array(self.stream.unpack("<3i"), np.int64)
             value, active = self.packing.vector(self.stream), bool(self.stream.number("<B"))
             if active or (value != self.packing.background).any():
-                self.tiles.append((first, layout.UPPER, value, active))
+                self.add_tiles(first[None], layout.UPPER, value[None], np.array([active]))
         for _ in range(children):
             first = np.array(self.stream.unpack("<3i"), np.int64)
             if (first % layout.UPPER).any():
@@ -142,6 +186,10 @@ class _Nodes:
         values[:] = self.packing.background
         self.packing.read(self.stream, active, values)
         places = first + np.argwhere(np.ones((side,) * 3, bool)) * size
-        for tile in np.flatnonzero(~child & (active | (values != self.packing.background).any(1))):
-            self.tiles.append((places[tile], size, values[tile], bool(active[tile])))
+        tiles = ~child & (active | (values != self.packing.background).any(1))
+        if tiles.any():
+            self.add_tiles(places[tiles], size, values[tiles], active[tiles])
         return places[child]
+
+    def add_tiles(self, first: np.ndarray, size: int, value: np.ndarray, active: np.ndarray) -> None:
+        self.tiles.append(Tiles(first, np.full(len(first), size), value, active))

@@ -1,0 +1,41 @@
+"""How much a file may promise for its size: a thousand bytes cannot hold ten gigabytes of anything but nothing.
+
+What headers say is held against these limits before memory is taken. Files of honest programs stay far below.
+"""
+
+SMALL = 2**26  # bytes that any file may open to
+MOST_A_BYTE = 2**12  # bytes that a byte may open to; zlib, the usual packing, reaches 1032
+EMPTY = 2**27  # numbers that volumes may hold without any that is not empty
+TRUSTED = 2**29  # the same of a file with a checksum
+VOXELS_AN_ACTIVE = 1000  # of the box around active voxels
+
+
+def check_promise(promised: float, size: int) -> None:
+    """Refuse a file that would open to far more than it can hold.
+
+    Args:
+        promised: What it would take in memory [byte].
+        size: Of the file [byte].
+
+    Raises:
+        ValueError: If that cannot be; it does not know the file's name.
+    """
+    if not promised <= SMALL + MOST_A_BYTE * size:
+        raise ValueError(
+            f"the file is damaged: it promises {promised / 1e6:.0f} MB and is {size / 1e3:.1f} kB; write it again"
+        )
+
+
+def check_box(numbers: int, active: int, trusted: bool = False) -> None:
+    """Refuse volumes that are large and nearly empty, as they seem when a byte was flipped.
+
+    Args:
+        numbers: In the boxes of all grids.
+        active: Numbers of them that are not empty.
+        trusted: The file has a checksum: a fire may begin with nothing.
+
+    Raises:
+        ValueError: If there are too many; it does not know the file's name.
+    """
+    if numbers > (TRUSTED if trusted else EMPTY) + VOXELS_AN_ACTIVE * active:
+        raise ValueError(f"the file is damaged or nearly empty: {active} voxels in a box of {numbers}")
