@@ -36,7 +36,7 @@ PICTURE = (CameraOptions, LightOptions, RenderOptions)
 COMMANDS = ((InputOptions, ReconstructOptions, OutputOptions), (SimulateOptions, OutputOptions), PICTURE)
 LEAVING = (CompareOptions, ExportOptions, PreviewOptions)
 CLASSES = [found for found in vars(options).values() if dataclasses.is_dataclass(found) and found is not options.Scene]
-FREE = {"white"}  # numbers that have no range: any positive value
+FREE = {"white", "jobs"}  # numbers that have no range: any positive value, and one that may be a word
 OWNERS = [(owner, field.name) for owner in CLASSES for field in dataclasses.fields(owner)]
 
 

@@ -31,15 +31,15 @@ class Flags:
 def test_order(tmp_path, flags, paper, file, expected):
     """Each source wins over the ones below it, option by option."""
     (tmp_path / "c.toml").write_text(tomli_w.dumps({"reconstruct": file}))
-    made = make_settings(["0=a"], None, Flags(**flags), None, paper=paper, config=tmp_path / "c.toml")
+    made = make_settings(["0=a"], None, Flags(**flags), None, paper=paper, document=read_settings(tmp_path / "c.toml"))
     assert {name: getattr(made.reconstruct, name) for name in expected} == expected
 
 
 def test_views_of_the_file_unless_given(tmp_path):
     """A file may name the views; flags replace all of them."""
     (tmp_path / "c.toml").write_text('views = ["0=a", "90=b"]')
-    assert make_settings([], None, None, None, config=tmp_path / "c.toml").views == ("0=a", "90=b")
-    assert make_settings(["0=c"], None, None, None, config=tmp_path / "c.toml").views == ("0=c",)
+    assert make_settings([], None, None, None, document=read_settings(tmp_path / "c.toml")).views == ("0=a", "90=b")
+    assert make_settings(["0=c"], None, None, None, document=read_settings(tmp_path / "c.toml")).views == ("0=c",)
 
 
 def test_documents_come_back(tmp_path, monkeypatch):
@@ -49,7 +49,7 @@ def test_documents_come_back(tmp_path, monkeypatch):
     document = tomllib.loads(tomli_w.dumps(made.to_dict()))
     assert document["views"] == [f"33.333333333={tmp_path / 'a'}", "-90=/c"]
     (tmp_path / "run.toml").write_text(tomli_w.dumps(document))
-    again = make_settings([], None, None, None, config=tmp_path / "run.toml")
+    again = make_settings([], None, None, None, document=read_settings(tmp_path / "run.toml"))
     assert again.reconstruct == made.reconstruct == ReconstructOptions(blur=0.1)
     assert again.to_dict() == made.to_dict()
 
@@ -85,7 +85,8 @@ def simulate(source=None, config=None, lines=(), output=None, **more):
     flags = {name: more.pop(name) for name in ("swirl", "blend") if name in more}
     method = SimulateFlags(**flags) if flags else None
     things = {"emitter": list(lines), "obstacle": None, "force": None, "body": None}
-    return make_simulate_settings(source, method, output, things, config=config, **more)
+    document = read_settings(config) if config else None
+    return make_simulate_settings(source, method, output, things, document=document, **more)
 
 
 @pytest.mark.parametrize(
@@ -101,7 +102,7 @@ def simulate(source=None, config=None, lines=(), output=None, **more):
 )
 def test_order_of_a_simulation(tmp_path, monkeypatch, given, file, expected):
     """Flags over the preset and the paper's choices over a file over the defaults."""
-    monkeypatch.setattr("warpfluid.settings.preset_settings", lambda _: {"simulate": {"swirl": 4.0}})
+    monkeypatch.setattr("warpfluid.settings.of_simulation.preset_settings", lambda _: {"simulate": {"swirl": 4.0}})
     (tmp_path / "c.toml").write_text(tomli_w.dumps({"simulate": file}))
     made = simulate("a", tmp_path / "c.toml", **given)
     assert {name: getattr(made.simulate, name) for name in expected} == expected

@@ -30,7 +30,10 @@ def pick_device(name: str | wp.Device | None = None) -> wp.Device:
         return wp.get_device(name)
     except ValueError as error:
         there_are = ", ".join(str(device) for device in wp.get_devices())
-        raise ValueError(f"there is no device {name!r}: this machine has {there_are}; use --device auto") from error
+        named = " (WARPFLUID_DEVICE)" if os.environ.get("WARPFLUID_DEVICE") == name else ""
+        raise ValueError(
+            f"there is no device {name!r}{named}: this machine has {there_are}; use --device auto"
+        ) from error
 
 
 def gpus() -> list[wp.Device]:
@@ -49,6 +52,7 @@ def compile_kernels(devices: Iterable[wp.Device]) -> str:
 def start_warp() -> None:
     """Start Warp once, without its banner and without a warning where there is no GPU."""
     wp.config.log_level = wp.LOG_WARNING  # the banner would go to stdout, in the middle of --json
+    wp.config.kernel_cache_dir = _named_cache() or wp.config.kernel_cache_dir
     wp.config.enable_tiles_in_stack_memory = False  # kernels of all threads would share the pointer to it
     with _without_driver_warning():
         try:
@@ -58,6 +62,20 @@ def start_warp() -> None:
             wp.init()
     if not _can_keep_kernels(wp.config.kernel_cache_dir):
         wp.config.kernel_cache_dir = _make_cache()
+
+
+def _named_cache() -> str | None:
+    """Return where ``WARPFLUID_CACHE`` wants compiled kernels, a folder for each version of Warp."""
+    named = os.environ.get("WARPFLUID_CACHE")
+    if not named:
+        return None
+    folder = os.path.abspath(os.path.expanduser(named))
+    nearest = folder
+    while not os.path.exists(nearest):
+        nearest = os.path.dirname(nearest)
+    if not os.path.isdir(nearest):
+        raise ValueError(f"WARPFLUID_CACHE is {named!r}, but {nearest} is a file: name a folder, or unset it")
+    return os.path.join(folder, wp.config.version)
 
 
 def _make_cache() -> str:

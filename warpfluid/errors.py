@@ -2,7 +2,7 @@
 
 import errno
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -46,6 +46,14 @@ class Problems(list):
             lines = [*lines[: MOST_LINES - 1], f"and {len(lines) - MOST_LINES + 1} more like these"]
         if lines:
             raise ValueError("\n".join(lines))
+
+
+def changed_since(folder: str | Path, changed: Iterable[str]) -> str:
+    """Return the refusal to continue a run with something else."""
+    return (
+        f"{folder} was made with something else: {', '.join(changed)}; "
+        "use the same again, or --overwrite, or another folder with -o"
+    )
 
 
 def describe(error: BaseException) -> str:

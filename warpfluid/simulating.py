@@ -9,12 +9,13 @@ from pathlib import Path
 
 from warpfluid.errors import Problems, describe
 from warpfluid.files.sequences import parse_frames
+from warpfluid.options import USUAL_SIZE
 from warpfluid.outcome import conclude, do_all
 from warpfluid.presets import preset_names, preset_settings
 from warpfluid.progress import Progress
 from warpfluid.run import FILM, PAGE, SETTINGS, Run
-from warpfluid.settings import SimulateSettings, make_simulate_settings, read_settings
-from warpfluid.simulation.source import USUAL_SIZE, Source, empty_box, fill_box
+from warpfluid.settings import SimulateSettings, make_simulate_settings
+from warpfluid.simulation.source import Source, empty_box, fill_box
 from warpfluid.volumes import open_volumes
 
 USUAL_LENGTH = 48  # frames of a simulation that follows nothing
@@ -42,7 +43,7 @@ class Asked:
 
 
 def simulate(
-    asked: Asked, out: Path, *, paper: bool, config: Path | None, resume: bool, overwrite: bool, common
+    asked: Asked, out: Path, *, paper: bool, document: dict, resume: bool, overwrite: bool, common
 ) -> int:
     """Simulate into a folder; return the exit code."""
     from warpfluid.device import pick_device
@@ -51,7 +52,7 @@ def simulate(
     _check_other(asked.source, out)
     problems.attempt(lambda: run.check_free(resume=resume, overwrite=overwrite))
     device = problems.attempt(pick_device, common.device)
-    made = problems.attempt(_settle, asked, paper, config)
+    made = problems.attempt(_settle, asked, paper, document)
     problems.raise_if_any()
     settings, source = made
     _check_other(settings.source, out)
@@ -93,14 +94,13 @@ def _flag(option: str, value) -> str:
     return f"--{name} {shlex.quote(str(value))}"
 
 
-def _settle(asked: Asked, paper: bool, config: Path | None) -> tuple[SimulateSettings, Source]:
+def _settle(asked: Asked, paper: bool, document: dict) -> tuple[SimulateSettings, Source]:
     """Return settings and source, each with the other's say."""
-    document = read_settings(config) if config else {}
     size = _size(asked.size) if asked.size else tuple(document.get("size", ())) or None
     name = asked.source or document.get("source")
     if name and asked.size:
         raise ValueError("size is for an empty box, and there is a source: use --resolution-scale")
-    chosen = {"size": size, "preset": asked.preset, "paper": paper, "config": config}
+    chosen = {"size": size, "preset": asked.preset, "paper": paper, "document": document}
     volumes = open_volumes(name) if name else None
     if volumes and "output" not in document:
         chosen["source_output"] = asdict(volumes.output)

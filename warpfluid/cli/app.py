@@ -13,6 +13,11 @@ from cyclopts import App, Parameter
 from warpfluid import __version__
 from warpfluid.errors import describe
 
+ENVIRONMENT = (
+    "The environment counts where no flag is given: WARPFLUID_DEVICE, WARPFLUID_JOBS, WARPFLUID_CLUSTER as the flags of "
+    "these names; WARPFLUID_THREADS: CPU threads; WARPFLUID_CACHE: folder of compiled kernels; NO_COLOR: no colours."
+)
+
 
 def spell(value: object) -> str | None:
     """Return a default as the help shows it; None, for nothing, where there is none."""
@@ -24,7 +29,7 @@ def spell(value: object) -> str | None:
 app = App(
     name="warpfluid",
     help="Volumes of fire, smoke, explosions and splashes from one or a few videos.",
-    help_epilogue="Begin with warpfluid demo, or with warpfluid inspect --front clip.mp4.",
+    help_epilogue=f"Begin with warpfluid demo, or with warpfluid inspect --front clip.mp4.\n\n{ENVIRONMENT}",
     version=__version__,
     default_parameter=Parameter(show_default=lambda value: spell(value or None)),
     suppress_keyboard_interrupt=False,

@@ -1,13 +1,13 @@
 """``warpfluid compare``: results against each other and the truth."""
 
-from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, get_args
 
 from cyclopts import Parameter
 
 from warpfluid.cli.app import app
-from warpfluid.cli.flags import COMMON, Common, make_flags
+from warpfluid.cli.configured import configure
+from warpfluid.cli.flags import COMMON, Common, ConfigFlag, make_flags
 from warpfluid.options import CompareOptions
 
 CompareFlags = make_flags(CompareOptions, "Comparison", 1)
@@ -26,11 +26,14 @@ def compare(
         list[Path] | None,
         Parameter(name=["--out", "-o"], negative=(), help="Film (.mp4, .webp, .gif) or sheet (.png); once for each"),
     ] = None,
+    config: ConfigFlag = None,
     choices: CompareFlags = NO_CHOICES,
     common: Common = COMMON,
 ) -> int:
     """Measure results against the truth or their footage, with floors; show them side by side."""
     from warpfluid import comparing
+    from warpfluid.settings import make_options
 
-    given = {name: value for name, value in asdict(choices).items() if value is not None}
-    return comparing.compare(results, truth, CompareOptions(**given), out or (), common)
+    chosen = configure(common, config)
+    options = make_options(CompareOptions, chosen.document.get("compare", {}), choices)
+    return comparing.compare(results, truth, options, out or (), chosen.common)

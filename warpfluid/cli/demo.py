@@ -6,6 +6,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from warpfluid.cli.app import app
+from warpfluid.cli.configured import configure
 from warpfluid.cli.flags import (
     COMMON,
     Common,
@@ -21,4 +22,4 @@ def demo(
     """Reconstruct a packaged fire from its front and its side: volumes, turntable and report."""
     from warpfluid import commands
 
-    return commands.demo(out, common)
+    return commands.demo(out, configure(common).common)

@@ -1,13 +1,13 @@
 """``warpfluid export``: volumes in another format."""
 
-from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, get_args
 
 from cyclopts import Parameter
 
 from warpfluid.cli.app import app
-from warpfluid.cli.flags import COMMON, Common, SourceArgument, make_flags
+from warpfluid.cli.configured import configure
+from warpfluid.cli.flags import COMMON, Common, ConfigFlag, SourceArgument, make_flags
 from warpfluid.options import ExportOptions
 
 ExportFlags = make_flags(ExportOptions, "Files", 1)
@@ -21,13 +21,16 @@ def export(
     out: Annotated[Path | None, Parameter(name=["--out", "-o"], help="Folder to write to; needed")] = None,
     resume: Annotated[bool, Parameter(negative=(), help="Continue an export: frames that are there are kept")] = False,
     overwrite: Annotated[bool, Parameter(negative=(), help="Replace an earlier export in the folder")] = False,
+    config: ConfigFlag = None,
     choices: ExportFlags = NO_CHOICES,
     common: Common = COMMON,
 ) -> int:
     """Write volumes for Blender, Houdini, Maya, Omniverse, ParaView or NumPy."""
     from warpfluid import exporting
+    from warpfluid.settings import make_options
 
     if out is None:
         raise ValueError("no folder is given for the files: add -o FOLDER")
-    given = {name: value for name, value in asdict(choices).items() if value is not None}
-    return exporting.export(source, out, ExportOptions(**given), resume=resume, overwrite=overwrite, common=common)
+    chosen = configure(common, config)
+    options = make_options(ExportOptions, chosen.document.get("export", {}), choices)
+    return exporting.export(source, out, options, resume=resume, overwrite=overwrite, common=chosen.common)

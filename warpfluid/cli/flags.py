@@ -7,8 +7,9 @@ from typing import Annotated, get_args, get_type_hints
 from cyclopts import Group, Parameter
 
 from warpfluid.cli.app import spell
-from warpfluid.options import InputOptions, OutputOptions, ReconstructOptions, SimulateOptions
+from warpfluid.options import InputOptions, MachineOptions, OutputOptions, ReconstructOptions, SimulateOptions
 from warpfluid.options.checks import VECTORS
+from warpfluid.options.machine import VARIABLES
 
 PATHS = {"background", "camera", "probe", "look"}  # options that are paths, or may be
 
@@ -84,7 +85,9 @@ SideFlag = Annotated[
     ),
 ]
 PaperFlag = Annotated[bool, Parameter(negative=(), help="Make the paper's choices; other flags count on top")]
-ConfigFlag = Annotated[Path | None, Parameter(help="Take options from a run.toml; flags count on top", metavar="FILE")]
+ConfigFlag = Annotated[
+    Path | None, Parameter(help="Take options from this file, such as a run.toml; flags count on top", metavar="FILE")
+]
 ViewFlag = Annotated[
     list[str | Path] | None,
     Parameter(
@@ -96,14 +99,20 @@ ViewFlag = Annotated[
     ),
 ]
 
-ClusterFlag = Annotated[
-    str | None,
-    Parameter(help="Let the workers of this Dask scheduler work, such as tcp://host:8786", metavar="ADDRESS"),
-]
-JobsFlag = Annotated[
-    str,
-    Parameter(help="Processes that work side by side: a number, or auto for one a core or a GPU", metavar="N"),
-]
+
+def _machine_flag(name: str, metavar: str) -> type:
+    """Make the flag of an option that the environment may give, too."""
+    text = get_args(get_type_hints(MachineOptions, include_extras=True)[name])[1]
+    default = getattr(MachineOptions, name)
+    shown = False if default is None else lambda _: spell(default)
+    return Annotated[
+        str | None, Parameter(help=f"{text} [environment: {VARIABLES[name]}]", show_default=shown, metavar=metavar)
+    ]
+
+
+DeviceFlag = _machine_flag("device", "NAME")
+JobsFlag = _machine_flag("jobs", "N")
+ClusterFlag = _machine_flag("cluster", "ADDRESS")
 
 
 @Parameter(name="*", group=Group("Common", sort_key=9))
@@ -111,9 +120,7 @@ JobsFlag = Annotated[
 class Common:
     """What most commands take."""
 
-    device: Annotated[str, Parameter(help="cpu, cuda:N, or auto: the first GPU if there is one", metavar="NAME")] = (
-        "auto"
-    )
+    device: DeviceFlag = None
     json: Annotated[bool, Parameter(negative=(), help="Print the result as one JSON document")] = False
     quiet: Annotated[bool, Parameter(name=["--quiet", "-q"], negative=(), help="Print nothing but the result")] = False
     verbose: Annotated[bool, Parameter(name=["--verbose", "-v"], negative=(), help="Show errors whole")] = False

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from warpfluid.cli.app import app
+from warpfluid.cli.configured import configure
 from warpfluid.cli.flags import (
     COMMON,
     NO_INPUT,
@@ -38,5 +39,6 @@ def flow(
     from warpfluid import commands
 
     views = [*(view or []), *named_views(front, side)]
-    settings = commands.make_settings(views, footage, None, None, config=config)
-    return commands.flow(settings, out, flow, common)
+    chosen = configure(common, config)
+    settings = commands.make_settings(views, footage, None, None, document=chosen.document)
+    return commands.flow(settings, out, flow, chosen.common)

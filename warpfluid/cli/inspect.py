@@ -6,6 +6,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from warpfluid.cli.app import app
+from warpfluid.cli.configured import configure
 from warpfluid.cli.flags import (
     COMMON,
     NO_INPUT,
@@ -50,5 +51,6 @@ def inspect(
         from warpfluid.explaining import explain_files
 
         return explain_files(files, common)
-    settings = commands.make_settings(views, footage, method, None, paper=paper, config=config)
-    return commands.inspect(settings, picture, common)
+    chosen = configure(common, config)
+    settings = commands.make_settings(views, footage, method, None, paper=paper, document=chosen.document)
+    return commands.inspect(settings, picture, chosen.common)

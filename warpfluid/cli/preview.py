@@ -1,13 +1,13 @@
 """``warpfluid preview``: volumes in a window, or in a page for the browser."""
 
-from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, get_args
 
 from cyclopts import Parameter
 
 from warpfluid.cli.app import app
-from warpfluid.cli.flags import COMMON, Common, SourceArgument, make_flags
+from warpfluid.cli.configured import configure
+from warpfluid.cli.flags import COMMON, Common, ConfigFlag, SourceArgument, make_flags
 from warpfluid.options import PreviewOptions
 
 PreviewFlags = make_flags(PreviewOptions, "Preview", 1)
@@ -20,11 +20,14 @@ def preview(
     *,
     html: Annotated[Path | None, Parameter(help="Write a page that plays them in any browser, .html")] = None,
     screenshot: Annotated[Path | None, Parameter(help="Draw the window into a picture instead, .png")] = None,
+    config: ConfigFlag = None,
     choices: PreviewFlags = NO_CHOICES,
     common: Common = COMMON,
 ) -> int:
     """Look at volumes: turn them, play them, and see what stands about them."""
     from warpfluid.preview import show
+    from warpfluid.settings import make_options
 
-    given = {name: value for name, value in asdict(choices).items() if value is not None}
-    return show.preview(source, PreviewOptions(**given), html=html, screenshot=screenshot, common=common)
+    chosen = configure(common, config)
+    options = make_options(PreviewOptions, chosen.document.get("preview", {}), choices)
+    return show.preview(source, options, html=html, screenshot=screenshot, common=chosen.common)

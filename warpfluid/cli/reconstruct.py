@@ -6,6 +6,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from warpfluid.cli.app import app
+from warpfluid.cli.configured import configure
 from warpfluid.cli.flags import (
     COMMON,
     NO_INPUT,
@@ -41,7 +42,7 @@ def reconstruct(
     debug_dir: Annotated[
         Path | None, Parameter(help="Folder for pictures of every iteration of appearance transfer (Fig. 3)")
     ] = None,
-    jobs: JobsFlag = "1",
+    jobs: JobsFlag = None,
     cluster: ClusterFlag = None,
     footage: InputFlags = NO_INPUT,
     method: MethodFlags = NO_METHOD,
@@ -53,6 +54,7 @@ def reconstruct(
 
     config = settings_of_run(out, config, resume=resume)
     views = [*(view or []), *named_views(front, side)]
-    settings = commands.make_settings(views, footage, method, output, paper=paper, config=config)
-    how = {"resume": resume, "overwrite": overwrite, "debug_dir": debug_dir}
-    return commands.reconstruct(settings, out, common=common, jobs=jobs, cluster=cluster, **how)
+    chosen = configure(common, config, jobs=jobs, cluster=cluster)
+    settings = commands.make_settings(views, footage, method, output, paper=paper, document=chosen.document)
+    who = {"common": chosen.common, "jobs": chosen.jobs, "cluster": chosen.cluster}
+    return commands.reconstruct(settings, out, resume=resume, overwrite=overwrite, debug_dir=debug_dir, **who)

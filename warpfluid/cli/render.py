@@ -1,13 +1,13 @@
 """``warpfluid render``: pictures and films of volumes."""
 
-from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, get_args
 
 from cyclopts import Parameter
 
 from warpfluid.cli.app import app
-from warpfluid.cli.flags import COMMON, ClusterFlag, Common, JobsFlag, SourceArgument, make_flags
+from warpfluid.cli.configured import configure
+from warpfluid.cli.flags import COMMON, ClusterFlag, Common, ConfigFlag, JobsFlag, SourceArgument, make_flags
 from warpfluid.errors import Problems
 from warpfluid.options import CameraOptions, LightOptions, RenderOptions
 
@@ -27,8 +27,9 @@ def render(
     ] = None,
     resume: Annotated[bool, Parameter(negative=(), help="Keep the numbered pictures that are there")] = False,
     overwrite: Annotated[bool, Parameter(negative=(), help="Replace what is there")] = False,
-    jobs: JobsFlag = "1",
+    jobs: JobsFlag = None,
     cluster: ClusterFlag = None,
+    config: ConfigFlag = None,
     picture: PictureFlags = NO_PICTURE,
     camera: CameraFlags = NO_CAMERA,
     light: LightFlags = NO_LIGHT,
@@ -36,13 +37,15 @@ def render(
 ) -> int:
     """Render volumes with light and shadow: films, pictures, and layers for compositing."""
     from warpfluid import picturing
+    from warpfluid.settings import make_options
 
     if out is None:
         raise ValueError("no place is given for the pictures: add -o film.mp4, or -o picture.####.exr")
     problems, made = Problems(), []
-    for options, flags in ((CameraOptions, camera), (LightOptions, light), (RenderOptions, picture)):
-        given = {name: value for name, value in asdict(flags).items() if value is not None}
-        made.append(problems.attempt(lambda options=options, given=given: options(**given)))
+    chosen = configure(common, config, jobs=jobs, cluster=cluster)
+    asked = {"camera": (CameraOptions, camera), "light": (LightOptions, light), "render": (RenderOptions, picture)}
+    for section, (options, flags) in asked.items():
+        made.append(problems.attempt(make_options, options, chosen.document.get(section, {}), flags))
     problems.raise_if_any()
-    how = {"resume": resume, "overwrite": overwrite, "jobs": jobs, "cluster": cluster}
-    return picturing.render(source, *made, out, common=common, **how)
+    who = {"common": chosen.common, "jobs": chosen.jobs, "cluster": chosen.cluster}
+    return picturing.render(source, *made, out, resume=resume, overwrite=overwrite, **who)

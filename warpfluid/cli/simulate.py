@@ -6,6 +6,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from warpfluid.cli.app import app
+from warpfluid.cli.configured import configure
 from warpfluid.cli.flags import (
     COMMON,
     NO_OUTPUT,
@@ -56,9 +57,9 @@ def simulate(
     config = settings_of_run(out, config, resume=resume)
     things = {"emitter": emitter, "obstacle": obstacle, "force": force, "body": body}
     asked = simulating.Asked(source=source, size=size, preset=preset, things=things, method=method, output=output)
-    return simulating.simulate(
-        asked, out, paper=paper, config=config, resume=resume, overwrite=overwrite, common=common
-    )
+    chosen = configure(common, config)
+    what = {"paper": paper, "document": chosen.document, "common": chosen.common}
+    return simulating.simulate(asked, out, resume=resume, overwrite=overwrite, **what)
 
 
 @app.command

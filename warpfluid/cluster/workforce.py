@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 from warpfluid.footage.estimate import free_memory
 from warpfluid.kernels.launch import thread_count
+from warpfluid.options.machine import parse_jobs
 
 PROCESS_BYTES = 400 << 20  # a worker with its libraries and kernels, before it has any work
-MANY = 1024
-AUTO = "auto"
+
+__all__ = ["PROCESS_BYTES", "Workforce", "make_workforce", "parse_jobs"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,19 +27,6 @@ class Workforce:
     threads: int
     cache: str = ""
     notes: tuple[str, ...] = ()
-
-
-def parse_jobs(jobs: str) -> int | None:
-    """Return a number of workers, None for as many as suit the machine.
-
-    Raises:
-        ValueError: If it is none.
-    """
-    if jobs == AUTO:
-        return None
-    if not (jobs.isascii() and jobs.isdigit() and 0 < int(jobs) <= MANY):
-        raise ValueError(f"jobs is {jobs!r}, expected a number of processes from 1, or auto")
-    return int(jobs)
 
 
 def make_workforce(

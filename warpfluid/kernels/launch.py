@@ -16,6 +16,7 @@ from warpfluid.kernels import checks
 
 CPU_RUN = 48
 CUDA_RUN = 4
+MOST_THREADS = 1024
 
 # Opens the body of a native function over (block, heights): the run of `count` heights that starts at `y`.
 RUN_OF_HEIGHTS = f"""
@@ -39,9 +40,15 @@ def run_count(heights: int, device: wp.Device) -> int:
 
 
 def thread_count() -> int:
-    """Return the number of CPU threads that kernels use: ``WARPFLUID_THREADS``, or all this process may use."""
+    """Return the number of CPU threads that kernels use: ``WARPFLUID_THREADS``, or all this process may use.
+
+    Raises:
+        ValueError: If the variable is no such number.
+    """
     named = os.environ.get("WARPFLUID_THREADS", "")
-    if named.isdigit() and int(named) > 0:
+    if named:
+        if not (named.isascii() and named.isdigit() and 0 < int(named) <= MOST_THREADS):
+            raise ValueError(f"WARPFLUID_THREADS is {named!r}, expected a number of threads from 1 to {MOST_THREADS}")
         return int(named)
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 

@@ -3,6 +3,7 @@
 from warpfluid.options.checks import RANGES, check_options
 from warpfluid.options.compare import CompareOptions
 from warpfluid.options.export import ExportOptions
+from warpfluid.options.machine import MachineOptions
 from warpfluid.options.preview import PreviewOptions
 from warpfluid.options.reconstruct import (
     BRIGHT_FLAME,
@@ -23,7 +24,7 @@ from warpfluid.options.scene import (
     ObstacleOptions,
     Scene,
 )
-from warpfluid.options.simulate import SIMULATE_PAPER, SimulateOptions
+from warpfluid.options.simulate import SIMULATE_PAPER, USUAL_SIZE, SimulateOptions
 
 __all__ = [
     "BRIGHT_FLAME",
@@ -33,6 +34,7 @@ __all__ = [
     "RANGES",
     "SIMULATE_PAPER",
     "THINGS",
+    "USUAL_SIZE",
     "BodyOptions",
     "CameraOptions",
     "CompareOptions",
@@ -41,6 +43,7 @@ __all__ = [
     "ForceOptions",
     "InputOptions",
     "LightOptions",
+    "MachineOptions",
     "ObstacleOptions",
     "OutputOptions",
     "PreviewOptions",

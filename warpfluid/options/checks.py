@@ -166,6 +166,8 @@ def check_options(options) -> None:
             problems += check_keyed(field.name, value, words=WORDS.get(field.name, ()))
         elif field.name in VECTORS:
             problems += check_keyed(field.name, value, size=3)
+        elif str in kinds and int in kinds and isinstance(value, int | str):
+            continue  # the class itself knows which
         elif str in kinds and not isinstance(value, str):
             problems.append(f"{name} is {value!r}, expected text")
         elif (int in kinds or float in kinds) and not _is_number(value, whole=int in kinds):

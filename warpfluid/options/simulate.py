@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 
 from warpfluid.options.checks import check_options
 
+USUAL_SIZE = (96, 144)  # width and height of an empty box [voxel]
 Side = Literal["open", "closed", "closed-low", "closed-high", "wrap"]
 
 

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from warpfluid.options import USUAL_SIZE
 from warpfluid.volumes import VolumeSequence, open_volumes
 
 FULL = 0.99  # quantile of the density that counts as full
 WIDE = 4.0  # heights of a box are this many widths of a usual plume
-USUAL_SIZE = (96, 144)
 NOTHING = VolumeSequence(name="", files={})
 
 
