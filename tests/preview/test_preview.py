@@ -16,10 +16,6 @@ from warpfluid.preview.scene import open_scene, squared
 from warpfluid.rendering.ramps import RAMPS
 from warpfluid.rendering.turntable import render_turntable
 
-BODY = ("--body", "box center=2,7,0 size=2,1,3 rotation=0,30,0 weight=2 velocity=1,0,0")
-OBSTACLES = ("--obstacle", "sphere center=-2,4,0 radius=1", "--obstacle", "cylinder center=0,6,0 radius=1 size=1,2,1")
-BOX = ("--size", "16x24", "--emitter", "sphere center=0,2,0 radius=1.5 density=8")
-
 
 @pytest.fixture(scope="module")
 def footage_run(tmp_path_factory) -> str:
@@ -27,15 +23,6 @@ def footage_run(tmp_path_factory) -> str:
     folder = tmp_path_factory.mktemp("footage")
     assert run("reconstruct", *quick(*pair(folder, range(11, 13)), *BARE, "-q", "-o", folder / "run")) == 0
     return str(folder / "run")
-
-
-@pytest.fixture(scope="module")
-def solid_run(tmp_path_factory) -> str:
-    """A simulation with a falling box and two obstacles."""
-    folder = tmp_path_factory.mktemp("solid") / "run"
-    flags = ("--frames", "1-3", *BARE, "--device", "cpu", "-q", "-o", folder)
-    assert run("simulate", *BOX, *BODY, *OBSTACLES, *flags) == 0
-    return str(folder)
 
 
 @pytest.fixture

@@ -17,7 +17,30 @@ uniform float absorption;    // optical depth of a ray whose sum is 255; 0 for l
 uniform sampler3D shade;     // how much light from above reaches a place, as two bytes, axes (x, z, y)
 uniform vec2 lamps;          // light from above and from all around; 0 where the medium glows by itself
 uniform vec3 background;
+uniform sampler2D solids, depths;  // what stands in the volume: colour and cover, and how far along forward
+uniform int fine;            // samples a pixel and axis of these; 0 where nothing stands
+uniform float reach;         // depth [voxel] that 0 to 1 spans, from -reach to reach
 out vec4 colour;
+
+vec4 look(float sum) {
+  float level = clamp(sum * gain / 255.0, 0.0, 1.0), entries = float(textureSize(ramp, 0).x);
+  return texture(ramp, vec2((floor(level * (entries - 1.0) + 0.5) + 0.5) / entries, 0.5));
+}
+
+// The mean colour of a pixel's solids, the share that they cover, and the nearest of them.
+vec4 stand(out float nearest) {
+  vec4 total = vec4(0);
+  nearest = 1e9;
+  for (int i = 0; i < fine * fine; ++i) {
+    ivec2 at = fine * ivec2(gl_FragCoord.xy) + ivec2(i % fine, i / fine);
+    vec4 solid = texelFetch(solids, at, 0);
+    total += solid / float(fine * fine);
+    if (solid.a > 0.0) nearest = min(nearest, (2.0 * texelFetch(depths, at, 0).r - 1.0) * reach);
+  }
+  return vec4(total.rgb / max(total.a, 1e-3), total.a);
+}
+
+float passing(float depth) { return depth > 1e-3 ? (1.0 - exp(-depth)) / depth : 1.0 - 0.5 * depth; }
 
 void main() {
   vec2 at = (gl_FragCoord.xy - middle) / scale;
@@ -38,21 +61,27 @@ void main() {
   float spacing = 1.0 / abs(rate), sum = 0.0, clear = 1.0;
   vec3 place = ((start - low) + ahead * ((first - plane) / rate)) / (high - low);
   vec3 stride = ahead * spacing / (high - low);
-  for (int i = 0; i < planes; ++i) {
+  float nearest, before = -1.0, open = 1.0;  // the sum before a solid, and what it lets through
+  vec4 solid = stand(nearest);
+  float away = (first - plane) / rate;
+  for (int i = 0; i < planes; ++i, away += spacing) {
     float light = texture(density, place.yzx).r * peak * spacing;
     float depth = light * absorption / 255.0;
-    float seen = depth > 1e-3 ? (1.0 - exp(-depth)) / depth : 1.0 - 0.5 * depth;
     if (lamps.x > 0.0) {
       vec2 reaching = texture(shade, place.xzy).rg;
       light = depth * 255.0 * (lamps.x * (reaching.r + reaching.g / 255.0) + lamps.y);
     }
-    sum += clear * light * seen;
+    float part = clamp((nearest - away) / spacing + 0.5, 0.0, 1.0);
+    if (part < 1.0 && before < 0.0) {
+      before = sum + clear * light * part * passing(depth * part);
+      open = clear * exp(-depth * part);
+    }
+    sum += clear * light * passing(depth);
     clear *= exp(-depth);
     if (clear < 1e-3) break;
     place += stride;
   }
-  float level = clamp(sum * gain / 255.0, 0.0, 1.0);
-  float entries = float(textureSize(ramp, 0).x);
-  vec3 shown = texture(ramp, vec2((floor(level * (entries - 1.0) + 0.5) + 0.5) / entries, 0.5)).rgb;
-  colour = vec4(shown + clear * background, 1.0);
+  if (before < 0.0) before = sum, open = clear;
+  vec3 past = look(sum).rgb + clear * background, front = look(before).rgb + open * solid.rgb;
+  colour = vec4(mix(past, front, solid.a), 1.0);
 }

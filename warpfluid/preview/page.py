@@ -19,10 +19,13 @@ from warpfluid.files.atomic import replacing
 from warpfluid.files.sequences import format_frames
 from warpfluid.preview import packing
 from warpfluid.preview.scene import Scene
+from warpfluid.preview.solids import pack_solids
+from warpfluid.rendering.laid_in import AMBIENT, KEY_LIGHT
 from warpfluid.rendering.ramps import RAMPS
 
 TABLE_TOP = 4096.0  # of the page's half floats: it keeps the faintest of them precise
-SHADERS = {"shader": "page.frag", "shade": "shade.frag"}
+SCRIPTS = ("frames.js", "lines.js", "shade.js", "solids.js", "graphics.js", "page.js")
+SHADERS = ("page.frag", "shade.frag", "solids.frag", "places.vert")
 TO_LIGHT = (-0.6, 1.0, 0.45)  # (x, y, z): from above, the left and the front
 LAMPS = (0.95, 0.22)  # light from there, and from all around; a lit face is a little above white
 SHADOW = 0.6  # share of the extinction that takes light on its way in: the rest is scattered on, not lost
@@ -48,12 +51,7 @@ class Written:
     coarser: float
 
 
-def write_page(
-    path: str | Path,
-    scene: Scene,
-    *,
-    budget: float,
-) -> Written:
+def write_page(path: str | Path, scene: Scene, *, budget: float) -> Written:
     """Write a page.
 
     Args:
@@ -68,7 +66,11 @@ def write_page(
     path, frames = Path(path), scene.frames
     still = _still(scene)
     extent = packing.measure(scene.volumes, frames)
-    size, packed = packing.pack_within(scene.volumes, frames, extent, budget * 1e6 - len(still) - OVERHEAD)
+    solids = pack_solids(scene, extent.box)
+    room = budget * 1e6 - len(still) - len(_as_script(solids)) - OVERHEAD
+    if room < 0:
+        raise ValueError(f"html-size is {budget:g} MB, which what stands in the run fills alone: choose a larger one")
+    size, packed = packing.pack_within(scene.volumes, frames, extent, room)
     shape = (extent.box[0], extent.box[2], extent.box[1])
     coarser = max(a / b for a, b in zip(extent.size, size, strict=True))
     facts = _facts(scene, extent, coarser)
@@ -79,9 +81,9 @@ def write_page(
         alt=escape(f"{scene.title}, frame {scene.middle}"),
         still=still,
         facts="".join(f"<tr><td>{escape(name)}</td><td>{escape(text)}</td></tr>" for name, text in facts.items()),
-        scene=_as_script(_described(scene, extent, size)),
+        scene=_as_script({**_described(scene, extent, size), "solids": solids}),
         frames="\n".join(f'<script type="text/plain" class="frame">{text}</script>' for text in packed),
-        script="".join((package / name).read_text("utf-8") for name in ("shade.js", "page.js")),
+        script="".join((package / name).read_text("utf-8") for name in SCRIPTS),
     )
     data = page.encode()
     with replacing(path) as file:
@@ -115,7 +117,10 @@ def _described(scene: Scene, extent: packing.Extent, size: tuple[int, int, int])
         "light": TO_LIGHT,
         "lamps": LAMPS,
         "shadow": SHADOW,
-        **{name: (files("warpfluid.preview") / file).read_text("utf-8") for name, file in SHADERS.items()},
+        "headlight": KEY_LIGHT.tolist(),
+        "headlamps": (1 - AMBIENT, AMBIENT),
+        "reach": 2 * float(np.hypot(around, np.hypot(around, extent.box[2]))),
+        "shaders": {Path(name).stem: (files("warpfluid.preview") / name).read_text("utf-8") for name in SHADERS},
     }
 
 
@@ -141,7 +146,7 @@ def _still(scene: Scene) -> str:
     return f"data:image/png;base64,{base64.b64encode(png.getvalue()).decode()}"
 
 
-def _as_script(content: dict) -> str:
+def _as_script(content: dict | list) -> str:
     """Return JSON that no name in it can end, or open a comment in."""
     return json.dumps(content, allow_nan=False).replace("<", "\\u003c")
 

@@ -14,7 +14,6 @@ LATTICE = 56  # voxels a side that motion is shown on
 PICTURE_DISTANCE = 0.82  # of the box's width, from its middle to an input picture
 RING = 1.04  # radius over half the diagonal of the floor
 LINE_COLOUR, WORD_COLOUR = "#78849c", "#c4ccdc"
-BODY_COLOUR, OBSTACLE_COLOUR = "#d9a066", "#8a93a6"
 SLICE_STEPS = 256
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -9,12 +10,15 @@ import numpy as np
 from warpfluid.files.sequences import format_frames, parse_frames
 from warpfluid.options import PreviewOptions
 from warpfluid.rendering.ramps import RAMPS
+from warpfluid.rendering.surfaces import Surface
 from warpfluid.rendering.turntable import render_turntable
 from warpfluid.run import RECORDS, Run
+from warpfluid.simulation.outlines import Outline, Outlines
 from warpfluid.volumes import VolumeSequence, open_volumes
 
 USUAL_RATE = 24.0  # frames a second where nothing says another
 USUAL_LOOK = "fire"
+SOLID_COLOURS = {"body": "#d9a066", "obstacle": "#8a93a6"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,7 +57,26 @@ class Scene:
     def still(self) -> np.ndarray:
         """Draw the middle frame without a graphics library, level with the floor, uint8, shape (rows, columns, 3)."""
         density = squared(self.volumes.density(self.middle))
-        return render_turntable(density, [self.angle_deg], self.look, white=255 / 2**self.exposure)[0]
+        surfaces = [Surface(solid.vertices, solid.triangles) for solid in self.solids(self.middle, density.shape)]
+        white = 255 / 2**self.exposure
+        return render_turntable(density, [self.angle_deg], self.look, white=white, surfaces=surfaces)[0]
+
+    def solids(self, frame: int, shape: Sequence[int]) -> list[Outline]:
+        """Return the bodies and obstacles of a frame; volumes of another program have none.
+
+        Args:
+            frame: Its number.
+            shape: Of the volumes (x, z, y).
+
+        Raises:
+            ValueError: If what the run says of them is damaged.
+            OSError: If it cannot be read.
+        """
+        return self._outlines.at(frame, tuple(shape)) if self._outlines else []
+
+    @cached_property
+    def _outlines(self) -> Outlines | None:
+        return Outlines(Run(self.volumes.name)) if self.volumes.document else None
 
     def facts(self) -> dict[str, str]:
         """Return what the run's files say of it, in words, by what it is."""

@@ -2,23 +2,18 @@
 
 // Shadows in the volume: a 3D texture, axes (x, z, y), of how much light from above reaches every place. Levels are drawn
 // one below the other, each from the one above, and copied into it; in large volumes they are half as fine.
-function makeShadows(gl, scene, link) {
+function makeShadows(gl, scene) {
   const finer = Math.max(...scene.cells) > 128 ? 2 : 1, levels = scene.cells.map((n) => Math.ceil(n / finer)), [nx, ny, nz] = levels;
   const size = scene.high.map((end, i) => end - scene.low[i]);
   const length = Math.hypot(...scene.light), toLight = scene.light.map((part) => part / length);
-  const { program, uniforms } = link(scene.shade);
-  const texture = gl.createTexture(), framebuffer = gl.createFramebuffer();
-  const pair = [0, 1].map(() => gl.createTexture());
-  gl.activeTexture(gl.TEXTURE3);
-  for (const level of pair) {
-    gl.bindTexture(gl.TEXTURE_2D, level);
+  const { program, uniforms } = link(gl, scene.shaders.shade), framebuffer = gl.createFramebuffer();
+  const pair = [0, 1].map(() => {
+    const level = bindTexture(gl, 3, gl.TEXTURE_2D, gl.LINEAR);
     gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RG8, nx, nz);
-    clampTo(gl, gl.TEXTURE_2D, gl.LINEAR);
-  }
-  gl.activeTexture(gl.TEXTURE2);
-  gl.bindTexture(gl.TEXTURE_3D, texture);
+    return level;
+  });
+  bindTexture(gl, 2, gl.TEXTURE_3D, gl.LINEAR);
   gl.texStorage3D(gl.TEXTURE_3D, 1, gl.RG8, nx, nz, ny);
-  clampTo(gl, gl.TEXTURE_3D, gl.LINEAR);
   let cast = "";
 
   return (frame, absorption) => {
@@ -44,9 +39,4 @@ function makeShadows(gl, scene, link) {
     }
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   };
-}
-
-function clampTo(gl, target, filter) {
-  for (const side of ["S", "T", "R"]) gl.texParameteri(target, gl["TEXTURE_WRAP_" + side], gl.CLAMP_TO_EDGE);
-  for (const size of ["MIN", "MAG"]) gl.texParameteri(target, gl[`TEXTURE_${size}_FILTER`], filter);
 }

@@ -9,10 +9,8 @@ from warpfluid.footage.origin import find_footage
 from warpfluid.options import PreviewOptions
 from warpfluid.options.preview import PARTS
 from warpfluid.preview import parts
-from warpfluid.preview.scene import Scene
+from warpfluid.preview.scene import SOLID_COLOURS, Scene
 from warpfluid.preview.summing import summed_volume
-from warpfluid.run import Run
-from warpfluid.simulation.outlines import Outlines
 
 SKY, GROUND = "#1b2029", "#090b0f"
 ELEVATION_DEG = 15.0
@@ -47,7 +45,7 @@ class Window:
         self._names: dict[str, list[str]] = {}
         self._lacking: set[str] = set()
         self._fields: tuple[int, dict[str, np.ndarray]] = (-1, {})
-        self._footage = self._outlines = None
+        self._footage = None
         self.plotter = pyvista.Plotter(off_screen=off_screen, window_size=options.window_size, lighting="three lights")
         self.plotter.set_background(GROUND, top=SKY)
         self.density = scene.volumes.density(self.frame)
@@ -168,21 +166,11 @@ class Window:
         return names
 
     def _add_bodies(self) -> list[str]:
-        if self.scene.volumes.document is None:
-            return []
-        self._outlines = self._outlines or Outlines(Run(self.scene.volumes.name))
         names = []
-        for number, outline in enumerate(self._outlines.at(self.frame, self.density.shape)):
+        for number, solid in enumerate(self.scene.solids(self.frame, self.density.shape)):
             names.append(f"body {number}")
-            colour = parts.BODY_COLOUR if outline.kind == "body" else parts.OBSTACLE_COLOUR
-            self._add(
-                parts.solid(outline.vertices, outline.triangles),
-                names[-1],
-                color=colour,
-                specular=0.3,
-                smooth_shading=True,
-                split_sharp_edges=True,
-            )
+            looks = {"color": SOLID_COLOURS[solid.kind], "specular": 0.3, "smooth_shading": True}
+            self._add(parts.solid(solid.vertices, solid.triangles), names[-1], split_sharp_edges=True, **looks)
         return names
 
     def _add_box(self) -> list[str]:
