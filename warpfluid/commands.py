@@ -4,7 +4,7 @@ import dataclasses
 import json
 from pathlib import Path
 
-from warpfluid.cluster.pools import Asked
+from warpfluid.cluster.pools import Asked, reach
 from warpfluid.errors import Problems
 from warpfluid.files.sequences import format_frames
 from warpfluid.footage.estimate import check_memory
@@ -12,7 +12,7 @@ from warpfluid.footage.inspection import Inspection, inspect_shot, write_views_p
 from warpfluid.footage.shot import Shot, open_shot
 from warpfluid.outcome import conclude, do_all
 from warpfluid.progress import Progress
-from warpfluid.reconstructing import Work, check_footage, frames_to_make, reconstruct_frames
+from warpfluid.reconstructing import Work, check_footage, reconstruct_frames
 from warpfluid.run import FILM, PAGE, Run
 from warpfluid.settings import Settings, make_settings
 
@@ -33,7 +33,8 @@ def reconstruct(
 
     if cluster:  # whose workers are in other folders
         settings = dataclasses.replace(settings, views=tuple(settings.to_dict()["views"]))
-    log, run, problems = Progress(quiet=common.quiet), Run(out.absolute() if cluster else out), Problems()
+        out, debug_dir = out.absolute(), debug_dir and debug_dir.absolute()
+    log, run, problems = Progress(quiet=common.quiet), Run(out), Problems()
     problems.attempt(lambda: run.check_free(resume=resume, overwrite=overwrite))
     asked = problems.attempt(lambda: Asked(jobs=jobs, device=common.device, cluster=cluster))
     device = problems.attempt(pick_device, common.device)
@@ -48,14 +49,14 @@ def reconstruct(
     settings = dataclasses.replace(settings, input=footage, reconstruct=inspection.options)
     if resume:
         check_footage(run, shot, settings)
-    facts = {"device": str(device), "inputs": shot.background_hashes()}
-    done = run.begin(settings, facts, resume=resume, overwrite=overwrite)
     for line in inspection.lines():
         log.line(line)
-    frames = frames_to_make(run, shot, settings, done, log)
-    facts = {"need": inspection.memory_bytes, "debug_dir": debug_dir}
-    work = Work(run=run, shot=shot, settings=settings, frames=frames, done=tuple(done), **facts)
-    reconstruct_frames(work, asked, device, log)
+    with reach(asked, need=inspection.memory_bytes, folder=run.folder, say=log.line) as crew:
+        facts = {"device": str(device), "inputs": shot.background_hashes()}
+        done = run.begin(settings, facts, resume=resume, overwrite=overwrite)
+        facts = {"need": inspection.memory_bytes, "debug_dir": debug_dir}
+        work = Work(run=run, shot=shot, settings=settings, records=done, **facts)
+        reconstruct_frames(work, crew, device, log)
     failed = work.failed | _summarize(run, shot, settings, inspection, device, log)
     return conclude(run, shot.frames, failed, as_json=common.json)
 

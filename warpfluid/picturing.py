@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from warpfluid.cluster.pools import Asked, open_pool
+from warpfluid.cluster.pools import Asked, open_pool, reach
 from warpfluid.cluster.spread import Pool, single, spread
 from warpfluid.errors import CannotWriteError, Problems, describe
 from warpfluid.options import CameraOptions, LightOptions, RenderOptions
@@ -84,28 +84,42 @@ def render(
     studio = make_studio(options, lamps, volumes.output.look, device, rate=rate)
     shots = make_shots(volumes, options.frames, camera.turntable)
     check_target(target, shots, resume=resume, overwrite=overwrite)
-    target.make_folder()
     stands = Outlines(Run(Path(source).expanduser())) if light.bodies and volumes.document else None
     job = PictureJob(volumes, decided(camera, options), studio, target, stands)
     work = Work(job=job, shots=shots, log=log, **_records(target, volumes))
     fields = _say(work)
-    about = made_with(camera, light, options, options.look or volumes.output.look, volumes.scale)
-    numbers = [shot.number for shot in shots]
-    kept = work.records.begin(about, work.hashes, numbers, resume=resume) if work.records else set()
-    left = [shot for shot in shots if shot.number not in kept]
-    if len(left) < len(shots):
-        log.line(f"kept    {len(shots) - len(left)} pictures that are there")
     need = job.need(fields["density"].shape, len(fields))
-    told = {"folder": target.path.parent, "progress": _nothing, "say": log.line}
-    try:
-        with open_pool(job, asked, device, tasks=len(left), need=need, **told) as pool:
-            (_film if target.is_film else _stills)(work, left, pool)
-    except KeyboardInterrupt as stop:
-        way_out = "; the same command with --resume goes on" if target.is_numbered else ""
-        raise KeyboardInterrupt(f"stopped after {len(work.made)} of {len(left)} pictures{way_out}") from stop
-    except ConnectionError as error:
-        work.failed["the cluster"] = describe(error)
+    about = made_with(camera, light, options, options.look or volumes.output.look, volumes.scale)
+    with reach(asked, need=need, folder=target.path.parent, say=log.line) as crew:
+        left = _begin(work, about, resume=resume)
+        _shoot(work, left, crew, device, need)
     return _conclude(work, len(shots) - len(left), common)
+
+
+def _begin(work: Work, about: dict, *, resume: bool) -> list[Shot]:
+    """Make the folder and note what pictures are made with; return those that lack."""
+    work.job.target.make_folder()
+    numbers = [shot.number for shot in work.shots]
+    kept = work.records.begin(about, work.hashes, numbers, resume=resume) if work.records else set()
+    left = [shot for shot in work.shots if shot.number not in kept]
+    if len(left) < len(work.shots):
+        work.log.line(f"kept    {len(work.shots) - len(left)} pictures that are there")
+    return left
+
+
+def _shoot(work: Work, shots: list[Shot], crew: Asked, device, need: int) -> None:
+    """Make pictures; what fails is noted.
+
+    Raises:
+        KeyboardInterrupt: If it is stopped; it says how to go on.
+    """
+    job, say = work.job, work.log.line
+    try:
+        with open_pool(job, crew, device, tasks=len(shots), need=need, progress=_nothing, say=say) as pool:
+            (_film if job.target.is_film else _stills)(work, shots, pool)
+    except KeyboardInterrupt as stop:
+        way_out = "; the same command with --resume goes on" if job.target.is_numbered else ""
+        raise KeyboardInterrupt(f"stopped after {len(work.made)} of {len(shots)} pictures{way_out}") from stop
 
 
 def _records(target: Target, volumes: VolumeSequence) -> dict:
@@ -139,15 +153,15 @@ def _brightest(volumes: VolumeSequence, frame: int) -> float:
 def _stills(work: Work, shots: list[Shot], pool: Pool) -> None:
     """Write a file a picture."""
     count = 0
-    for shot, outcome in spread(map(single, shots), pool):
-        count += 1
-        if not _note(work, shot, outcome) or work.records is None:
-            continue
-        try:
-            work.records.add(outcome, work.hashes)
-        except CannotWriteError as error:
-            work.failed[work.records.path.name] = describe(error)
-            break
+    try:
+        for shot, outcome in spread(map(single, shots), pool):
+            count += 1
+            if _note(work, shot, outcome) and work.records:
+                work.records.add(outcome, work.hashes)
+    except CannotWriteError as error:
+        work.failed[work.records.path.name] = describe(error)
+    except ConnectionError as error:
+        work.failed["the cluster"] = describe(error)
     if count < len(shots):
         work.failed["the other pictures"] = "not made"
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from warpfluid.cluster.pools import Asked, open_pool
 from warpfluid.cluster.spread import spread
-from warpfluid.errors import CannotWriteError, describe
+from warpfluid.errors import CannotWriteError, changed_since, describe
 from warpfluid.files.sequences import format_frames
 from warpfluid.footage.shot import Shot
 from warpfluid.progress import FrameBar, Progress
@@ -22,8 +22,7 @@ class Work:
         run: Where to write; begun already.
         shot: The footage.
         settings: All choices made.
-        frames: To make, rising.
-        done: Frames that the run has.
+        records: Of the frames that the run has.
         need: Memory of a frame [byte].
         debug_dir: Folder for the pictures of every iteration.
         failed: What went wrong, by frame.
@@ -32,8 +31,7 @@ class Work:
     run: Run
     shot: Shot
     settings: Settings
-    frames: list[int]
-    done: Collection[int]
+    records: dict[int, dict]
     need: int
     debug_dir: Path | None = None
     failed: dict[str, str] = field(default_factory=dict)
@@ -62,43 +60,15 @@ def check_footage(run: Run, shot: Shot, settings: Settings) -> None:
             f"the footage at {angle} degrees of frame{'s' * (len(frames) > 1)} {format_frames(frames)}"
             for angle, frames in changed.items()
         )
-        raise ValueError(
-            f"{run.folder} was made with something else: {found}; "
-            "use the same again, or --overwrite, or another folder with -o"
-        )
-
-
-def frames_to_make(run: Run, shot: Shot, settings: Settings, done: dict[int, dict], log: Progress) -> list[int]:
-    """Return the frames of a shot that a run lacks; what was made otherwise than it would be now is dropped from both.
-
-    Args:
-        run: The run; begun already.
-        shot: The footage.
-        settings: All choices made.
-        done: Records of the frames that the run has; those that are dropped go.
-        log: Progress.
-    """
-    from warpfluid.reconstruction.pieces import make_pieces
-
-    pieces = make_pieces(shot, settings.reconstruct)
-    stale = pieces.stale(shot.frames, {*shot.frames, *done}, done)
-    if stale:
-        log.notes([f"frames {format_frames(stale)} are made again: what they should start from was missing"])
-        run.forget(stale)
-        for frame in stale:
-            del done[frame]
-    frames = [frame for frame in shot.frames if frame not in done]
-    if len(frames) < len(shot.frames):
-        log.line(f"resume  {len(shot.frames) - len(frames)} of {len(shot.frames)} frames are there")
-    return frames
+        raise ValueError(changed_since(run.folder, [found]))
 
 
 def reconstruct_frames(work: Work, asked: Asked, device, log: Progress) -> None:
-    """Make frames; what fails is noted.
+    """Make the frames that a run lacks, and those that would be made otherwise now; what fails is noted.
 
     Args:
         work: What is to be made.
-        asked: Who shall do it.
+        asked: Who shall do it, reached.
         device: The Warp device that one worker would use.
         log: Progress.
 
@@ -108,36 +78,45 @@ def reconstruct_frames(work: Work, asked: Asked, device, log: Progress) -> None:
     from warpfluid.reconstruction.pieces import make_pieces
     from warpfluid.reconstruction.systems import round_count
 
-    if not work.frames:
-        return
-    count = 0
     pieces = make_pieces(work.shot, work.settings.reconstruct)
-    groups = pieces.chains(work.frames)
-    if not asked.is_alone and len(groups) == 1 < len(work.frames):
+    known = {*work.shot.frames, *work.records}
+    frames = pieces.to_make(work.shot.frames, known, work.records)
+    if len(frames) < len(work.shot.frames):
+        log.line(f"resume  {len(work.shot.frames) - len(frames)} of {len(work.shot.frames)} frames are there")
+    groups = [group for group in pieces.chains(known) if not set(frames).isdisjoint(group)]
+    if not groups:
+        return
+    if not asked.is_alone and len(groups) == 1 < len(frames):
         log.notes(["each frame builds on the one before: cut the shot with --piece, or choose --coherence none"])
+    chains, count = _chains(work, pieces, groups, known, log), 0
     try:
         with (
-            log.frames(work.frames, round_count(work.settings.reconstruct)) as bar,
+            log.frames(frames, round_count(work.settings.reconstruct)) as bar,
             _open(work, asked, device, len(groups), bar, log) as pool,
         ):
-            for task, outcome in spread(_chains(work, pieces, groups), pool):
+            for task, outcome in spread(chains, pool):
                 _note(work, {"frame": task.frame, **outcome}, bar)
                 count += 1
     except KeyboardInterrupt as stop:
-        there = f"stopped after {count} of {len(work.frames)} frames"
+        there = f"stopped after {count} of {len(frames)} frames"
         raise KeyboardInterrupt(f"{there}; to continue: warpfluid reconstruct -o {work.run.folder} --resume") from stop
     except CannotWriteError as error:
         work.failed["the records"] = describe(error)
     except ConnectionError as error:
         work.failed["the cluster"] = describe(error)
-    _name_the_rest(work, count)
+    _name_the_rest(work)
 
 
-def _chains(work: Work, pieces, groups: list[list[int]]) -> list:
+def _chains(work: Work, pieces, groups: list[list[int]], known: Collection[int], log: Progress) -> list:
+    """Return the chains of a shot; a frame that will be made again counts as missing from then on."""
     from warpfluid.reconstruction.pieces import frame_chain
 
-    known, done = {*work.shot.frames, *work.done}, set(work.done)
-    return [frame_chain(pieces, group, known, done) for group in groups]
+    def forget(frames: list[int]) -> None:
+        log.notes([f"frames {format_frames(frames)} are made again: what they should start from is another one now"])
+        work.run.forget(frames)
+
+    records = dict(work.records)
+    return [frame_chain(pieces, group, work.shot.frames, known, records, forget) for group in groups]
 
 
 def _open(work: Work, asked: Asked, device, tasks: int, bar: FrameBar, log: Progress):
@@ -147,8 +126,7 @@ def _open(work: Work, asked: Asked, device, tasks: int, bar: FrameBar, log: Prog
 
     observer = panel_writer(work.debug_dir, work.settings.output.look) if work.debug_dir else None
     job = FrameJob(work.shot, work.settings, work.run, observer)
-    told = {"progress": bar.iteration, "say": log.line}
-    return open_pool(job, asked, device, tasks=tasks, need=work.need, folder=work.run.folder, **told)
+    return open_pool(job, asked, device, tasks=tasks, need=work.need, progress=bar.iteration, say=log.line)
 
 
 def _note(work: Work, record: dict, bar: FrameBar) -> None:
@@ -160,11 +138,9 @@ def _note(work: Work, record: dict, bar: FrameBar) -> None:
     bar.finished(record)
 
 
-def _name_the_rest(work: Work, count: int) -> None:
+def _name_the_rest(work: Work) -> None:
     """Note the frames that were not even tried."""
-    if count == len(work.frames):
-        return
     records = work.run.records()
-    left = [frame for frame in work.frames if frame not in records and f"frame {frame}" not in work.failed]
+    left = [frame for frame in work.shot.frames if frame not in records and f"frame {frame}" not in work.failed]
     if left:
         work.failed[f"frames {format_frames(left)}"] = "not made"

@@ -56,6 +56,15 @@ class Run:
             return False
         return len(data) > layout.ID.stop and data[layout.ID] == layout.content_id(data)
 
+    def volume_id(self, frame: int) -> str:
+        """Return what tells the volume of a frame from others: the checksum that its file holds.
+
+        Raises:
+            OSError: If it cannot be read.
+        """
+        with open(self.volume_path(frame), "rb") as file:
+            return file.read(layout.ID.stop)[layout.ID].decode("ascii", "replace")
+
     def volume(self, frame: int) -> np.ndarray:
         """Return the volume of a frame, shape (x, z, y).
 

@@ -13,6 +13,8 @@ from pathlib import Path
 import pytest
 from tiny import BARE, numbers, pair, quick, run, volumes
 
+from warpfluid.cluster import farm as farms
+
 pytest.importorskip("distributed")
 pytestmark = [
     pytest.mark.skipif(os.name != "posix", reason="signals of another kind"),
@@ -20,6 +22,7 @@ pytestmark = [
 ]
 FRAMES = range(1, 7)
 PIECES = ("--piece", "2", "--overlap", "1")
+SMALL = ("--device", "cpu", "--resolution", "20x20")
 
 
 @pytest.fixture
@@ -92,9 +95,8 @@ def test_a_cluster_makes_the_bits_of_one_process(ready, tmp_path, flags, monkeyp
     killing.join()
     assert volumes(tmp_path / "two") == volumes(tmp_path / "one")
     assert sorted(numbers(tmp_path / "two")) == list(FRAMES)
-    small = ("--device", "cpu", "--resolution", "20x20")
     for name, more in (("a", ()), ("b", ("--cluster", address))):
-        assert run("render", "one", "-o", f"{name}.#.png", *small, *more) == 0
+        assert run("render", "one", "-o", f"{name}.#.png", *SMALL, *more) == 0
     assert all((tmp_path / f"a.{k}.png").read_bytes() == (tmp_path / f"b.{k}.png").read_bytes() for k in FRAMES)
     capsys.readouterr()
     killing = when(tmp_path / "three", 1, scheduler.kill)
@@ -107,11 +109,28 @@ def test_a_cluster_makes_the_bits_of_one_process(ready, tmp_path, flags, monkeyp
     assert volumes(tmp_path / "three") == volumes(tmp_path / "one")
 
 
-def test_where_there_is_no_scheduler(flags, tmp_path, monkeypatch, capsys):
-    from warpfluid.cluster import scheduler
+@pytest.mark.parametrize("lack", ["scheduler", "package"])
+def test_where_there_is_no_cluster(flags, tmp_path, monkeypatch, capsys, lack):
+    """What was made before is not touched, whatever may be overwritten."""
+    monkeypatch.setattr(farms, "PATIENCE", 0.5)
+    assert run("reconstruct", *flags, "--frames", "1-2", "-o", tmp_path / "run") == 0
+    assert run("render", tmp_path / "run", "-o", tmp_path / "a.#.png", *SMALL) == 0
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*.*") if path.is_file()}
+    if lack == "package":
+        monkeypatch.setitem(sys.modules, "distributed", None)
+    nowhere = ("--cluster", "tcp://127.0.0.1:9", "--overwrite")
+    said = {
+        "scheduler": "no scheduler answers at tcp://127.0.0.1:9: start one with `dask scheduler`",
+        "package": "pip install 'warpfluid[cluster]'",
+    }[lack]
+    capsys.readouterr()
+    assert run("reconstruct", *flags, "-o", tmp_path / "run", *nowhere) == 2
+    assert said in capsys.readouterr().err
+    assert run("render", tmp_path / "run", "-o", tmp_path / "a.#.png", *SMALL, "--angle", "9", *nowhere) == 2
+    assert said in capsys.readouterr().err
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*.*") if path.is_file()} == before
 
-    monkeypatch.setattr(scheduler, "PATIENCE", 0.5)
-    assert run("reconstruct", *flags, "-o", tmp_path / "run", "--cluster", "tcp://127.0.0.1:9") == 2
-    assert "no scheduler answers at tcp://127.0.0.1:9: start one with `dask scheduler`" in capsys.readouterr().err
+
+def test_jobs_and_cluster(flags, tmp_path, capsys):
     assert run("reconstruct", *flags, "-o", tmp_path / "run", "--cluster", "tcp://a:1", "--jobs", "2") == 2
     assert "choose one of them" in capsys.readouterr().err

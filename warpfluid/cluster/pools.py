@@ -1,13 +1,18 @@
 """Choosing who works: this process, processes of this machine, or a Dask cluster."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import contextlib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from warpfluid.cluster.here import Here
 from warpfluid.cluster.spread import Job, Pool
 from warpfluid.cluster.workforce import make_workforce, parse_jobs
 from warpfluid.device import compile_kernels, gpus
+
+if TYPE_CHECKING:
+    from warpfluid.cluster.farm import Farm
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,6 +23,7 @@ class Asked:
         jobs: Number of processes, or ``auto``.
         device: As the command line names it; ``auto`` means every GPU there is.
         cluster: Address of a Dask scheduler, whose workers do it instead.
+        farm: The cluster at that address, once it is reached.
 
     Raises:
         ValueError: If there can be no such workers.
@@ -26,6 +32,7 @@ class Asked:
     jobs: str = "1"
     device: str = "auto"
     cluster: str | None = None
+    farm: "Farm | None" = None
 
     def __post_init__(self):
         parse_jobs(self.jobs)
@@ -38,6 +45,28 @@ class Asked:
         return self.jobs == "1" and not self.cluster
 
 
+@contextlib.contextmanager
+def reach(asked: Asked, *, need: int, folder: Path, say: Callable[[str], None]) -> Iterator[Asked]:
+    """Yield who is asked to work, once they are known to be there: nothing made earlier is touched before.
+
+    Args:
+        asked: Who shall work.
+        need: Memory of a task [byte].
+        folder: Where results will go.
+        say: Called with what the user should know.
+
+    Raises:
+        ValueError: If there is no such cluster, or none of its workers can be used.
+    """
+    if not asked.cluster:
+        yield asked
+        return
+    from warpfluid.cluster.farm import Farm
+
+    with Farm(asked.cluster, folder=folder, need=need, say=say) as farm:
+        yield replace(asked, farm=farm)
+
+
 def open_pool(
     job: Job,
     asked: Asked,
@@ -45,7 +74,6 @@ def open_pool(
     *,
     tasks: int,
     need: int,
-    folder: Path,
     progress: Callable[..., None],
     say: Callable[[str], None],
 ) -> Pool:
@@ -53,19 +81,17 @@ def open_pool(
 
     Args:
         job: What is done with a task.
-        asked: Who shall work.
+        asked: Who shall work, reached.
         device: The Warp device that one worker would use.
         tasks: How many there are that can be done side by side.
         need: Memory of a task [byte].
-        folder: Where results go.
         progress: Called as the jobs go.
         say: Called with what the user should know.
     """
-    if asked.cluster:
+    if asked.farm:
         from warpfluid.cluster.scheduler import Scheduler
 
-        facts = {"device": asked.device, "folder": folder, "need": need, "progress": progress, "say": say}
-        return Scheduler(job, asked.cluster, **facts)
+        return Scheduler(job, asked.farm, asked.device, progress)
     jobs = parse_jobs(asked.jobs)
     if jobs == 1:
         return Here(job, device, progress)

@@ -1,25 +1,23 @@
-"""Workers of a Dask cluster that is there already.
+"""Tasks handed to the workers of a Dask cluster, one to each at a time.
 
-Whoever may use the scheduler may run any program on its workers, and the other way round: a cluster is for people who
-trust each other. Workers need this package, and the folders of footage and results under the same names.
+A task is bound to the worker that it is meant for, so that none runs where it does not fit. When that worker goes, the
+task is lost, and handed to another one. The job itself is sent once to each worker.
 """
 
-import logging
-import os
+import contextlib
 import pickle
 import queue
-import threading
+import time
 import uuid
-from collections.abc import Callable
-from pathlib import Path
+from collections.abc import Callable, Iterable
 from typing import Any
 
-from warpfluid import __version__
-from warpfluid.cluster.spread import Job, Lost, attempt
+from warpfluid.cluster import farm as farms
+from warpfluid.cluster import remote
+from warpfluid.cluster.farm import Farm
+from warpfluid.cluster.spread import Job, Lost
 
-PATIENCE = 10.0  # s that a scheduler has to answer
 GONE = 30.0  # s without a scheduler after which it does not come back
-_THREAD = threading.local()
 
 
 class Scheduler:
@@ -27,150 +25,117 @@ class Scheduler:
 
     Args:
         job: What is done with a task.
-        address: Of the scheduler, such as ``tcp://host:8786``.
+        farm: The cluster.
         device: As the command line names it; every worker looks for its own.
-        folder: Where results go; every worker must see it.
-        need: Memory of a task [byte]; workers with less are left out.
         progress: Called as the jobs go.
-        say: Called with what the user should know.
-
-    Raises:
-        ValueError: If there is no such cluster, or it cannot be used.
     """
 
-    def __init__(
-        self,
-        job: Job,
-        address: str,
-        *,
-        device: str,
-        folder: Path,
-        need: int,
-        progress: Callable[..., None],
-        say: Callable[[str], None],
-    ):
-        self._work = pickle.dumps(job), device, f"warpfluid-{uuid.uuid4()}"
-        self._address, self._progress = address, progress
+    def __init__(self, job: Job, farm: Farm, device: str, progress: Callable[..., None]):
+        self._job, self._name, self._device = pickle.dumps(job), f"warpfluid-{uuid.uuid4()}", device
+        self._farm, self._client, self._progress = farm, farm.client, progress
         self._ended: queue.Queue = queue.Queue()
-        self._futures: dict[str, Any] = {}
-        self._client = _connect(address)
-        try:
-            self._workers = _usable(self._client, address, folder, need, say)
-        except BaseException:
-            self._client.close()
-            raise
+        self._under_way: dict[str, tuple[Any, str]] = {}  # future and worker by key
+        self._idle: list[str] = []
+        self._heard = self._seen = self._manned = time.monotonic()  # of news, the scheduler, a worker
 
     def __enter__(self) -> "Scheduler":
-        self._client.subscribe_topic(self._work[2], lambda event: self._hear(event[1]))
+        self._client.subscribe_topic(self._name, lambda event: self._hear(event[1]))
+        self._employ(self._farm.workers)
         return self
 
     def __exit__(self, *_) -> None:
-        if self._client.status == "running":
-            self._client.cancel(list(self._futures.values()), force=True)
-        self._client.close(timeout=PATIENCE)
+        if not self._farm.is_connected:
+            return
+        with contextlib.suppress(OSError, TimeoutError):
+            self._client.cancel([future for future, _ in self._under_way.values()], force=True)
+            self._client.unsubscribe_topic(self._name)
+            self._farm.run(remote.drop_job, self._name, workers=self._farm.workers)
 
     def is_free(self) -> bool:
         """Return whether another task can be handed in."""
-        return len(self._futures) < len(self._workers)
+        return bool(self._idle)
 
     def submit(self, task: Any) -> str:
         """Hand in a task, and return what it is known by."""
-        future = self._client.submit(_work, *self._work, task, pure=False)
-        self._futures[future.key] = future
+        worker = self._idle.pop()  # the one that was busy last has what the next task builds on
+        bound = {"workers": [worker], "allow_other_workers": False, "pure": False}
+        future = self._client.submit(remote.work, self._name, self._device, task, **bound)
+        self._under_way[future.key] = future, worker
         future.add_done_callback(self._ended.put)
         return future.key
 
     def wait(self) -> list[tuple[str, dict | Lost]]:
-        """Wait for the next outcome.
+        """Wait for the next outcomes, or for a worker that is free; for the latter there is none.
 
         Raises:
-            ConnectionError: If the scheduler is gone.
+            ConnectionError: If the scheduler is gone, or there is no worker for long.
         """
-        lonely = 0.0
         while True:
-            try:
-                future = self._ended.get(timeout=1.0)
-            except queue.Empty:
-                lonely = 0.0 if self._client.status == "running" else lonely + 1.0
-                if lonely < GONE and self._client.status != "closed":
-                    continue
-                future = None
-            if future is None or future.status in ("cancelled", "lost"):
-                raise ConnectionError(f"the scheduler at {self._address} is gone: start it again")
-            self._futures.pop(future.key)
-            return [(future.key, _outcome(future))]
+            with contextlib.suppress(queue.Empty):
+                future = self._ended.get(timeout=farms.NEWS)
+                if future.key in self._under_way:
+                    return [(future.key, self._conclude(future))]
+            if time.monotonic() - self._heard < farms.NEWS:
+                continue
+            self._heard = time.monotonic()
+            came, gone = self._farm.news()
+            lost = self._dismiss(gone)
+            self._employ(came)
+            self._check_presence()
+            if lost or came:
+                return lost
 
     def _hear(self, message: list[float]) -> None:
         """Pass on how far a job is; messages travel as plain numbers."""
         frame, iteration, energy = message
         self._progress(int(frame), int(iteration), energy)
 
+    def _employ(self, workers: Iterable[str]) -> None:
+        """Send the job to workers, which are free then."""
+        for worker, error in self._farm.run(remote.take_job, self._name, self._job, workers=workers).items():
+            if error is None:
+                self._idle.append(worker)
+            else:
+                self._farm.forget(worker)
 
-def _connect(address: str):
-    try:
-        from distributed import Client
-    except ImportError as error:
-        raise ValueError("--cluster needs dask.distributed: pip install 'warpfluid[cluster]'") from error
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters is said as an error
-    try:
-        return Client(address, timeout=PATIENCE, set_as_default=False)
-    except (OSError, ValueError) as error:
-        raise ValueError(
-            f"no scheduler answers at {address}: start one with `dask scheduler`, "
-            f"and workers with `dask worker {address} --nthreads 1`"
-        ) from error
+    def _dismiss(self, workers: Iterable[str]) -> list[tuple[str, Lost]]:
+        """Take workers that are gone off the list; return their tasks as lost."""
+        workers = set(workers)
+        self._idle = [worker for worker in self._idle if worker not in workers]
+        lost = [key for key, (_, worker) in self._under_way.items() if worker in workers]
+        for key in lost:
+            self._under_way.pop(key)[0].release()
+        return [(key, Lost("its worker went away or was killed (out of memory?)")) for key in lost]
 
+    def _check_presence(self) -> None:
+        """Raise where waiting makes no sense any more."""
+        now, address = time.monotonic(), self._farm.address
+        self._seen = now if self._farm.is_connected else self._seen
+        self._manned = now if self._farm.workers else self._manned
+        if now - self._seen > GONE or self._client.status == "closed":
+            raise ConnectionError(f"the scheduler at {address} is gone: start it again")
+        if now - self._manned > farms.ALONE:
+            raise ConnectionError(f"{self._farm.why_alone()}, and none came in {farms.ALONE:.0f} s")
 
-def _usable(client, address: str, folder: Path, need: int, say: Callable[[str], None]) -> list[str]:
-    """Return the workers that can do the work."""
-    workers = client.scheduler_info(n_workers=-1)["workers"]
-    if not workers:
-        raise ValueError(f"{address} has no workers: start some with `dask worker {address} --nthreads 1`")
-    try:
-        found = client.run(_look_around, str(folder))
-    except ImportError as error:
-        raise ValueError(f"a worker of {address} lacks a package: {error}; install warpfluid there") from error
-    for worker, (version, sees) in found.items():
-        if version != __version__:
-            raise ValueError(f"worker {worker} has warpfluid {version}, this is {__version__}: install the same")
-        if not sees:
-            raise ValueError(f"worker {worker} does not see {folder}: results must go into a folder that all share")
-    small = [worker for worker, about in workers.items() if 0 < about["memory_limit"] < need]
-    if len(small) == len(workers):
-        raise ValueError(f"a frame needs {need / 1e9:.2g} GB, more than any worker of {address} may take")
-    if small:
-        say(f"note    {len(small)} workers have less memory than a frame needs, {need / 1e9:.2g} GB, and may fail")
-    say(f"workers {len(workers) - len(small)} of the cluster at {address}")
-    return [worker for worker in workers if worker not in small]
+    def _conclude(self, future) -> dict | Lost:
+        """Return what came of a task that has ended; its worker is free."""
+        from distributed import KilledWorker
 
-
-def _look_around(folder: str) -> tuple[str, bool]:
-    """Return what a worker has and sees."""
-    return __version__, os.path.isdir(folder)
-
-
-def _work(job: bytes, device: str, topic: str, task: Any) -> dict:
-    """Do a task on a worker; each thread keeps a job, which remembers what it has read."""
-    from distributed import get_worker
-
-    worker = get_worker()
-    os.environ.setdefault("WARPFLUID_THREADS", str(worker.state.nthreads))
-    from warpfluid.device import pick_device
-
-    if getattr(_THREAD, "topic", None) != topic:
-        _THREAD.topic, _THREAD.job = topic, pickle.loads(job)
-    return attempt(
-        _THREAD.job, task, pick_device(device), lambda *message: worker.log_event(topic, list(map(float, message)))
-    )
-
-
-def _outcome(future) -> dict | Lost:
-    """Return what came of a task that has ended."""
-    from distributed import KilledWorker
-
-    if future.status == "finished":
-        return future.result()
-    error = future.exception()
-    if isinstance(error, KilledWorker):
-        return Lost("its workers were killed (out of memory?)")
-    return {"error": f"{type(error).__name__}: {error}"}
+        _, worker = self._under_way.pop(future.key)
+        if future.status in ("cancelled", "lost"):
+            raise ConnectionError(f"the scheduler at {self._farm.address} is gone: start it again")
+        if future.status == "error":
+            self._idle.append(worker)
+            error = future.exception()
+            killed = isinstance(error, KilledWorker)
+            reason = "its workers were killed (out of memory?)" if killed else f"{type(error).__name__}: {error}"
+            return {"error": reason}
+        try:
+            outcome = future.result(timeout=GONE)
+        except TimeoutError:  # who made it is gone, before it was fetched
+            outcome = None
+        if outcome is None:
+            self._farm.forget(worker)
+            return Lost("its worker was started again")
+        self._idle.append(worker)
+        return outcome

@@ -38,7 +38,7 @@ class Pool(Protocol):
         """Hand in a task, and return what it is known by."""
 
     def wait(self) -> Sequence[tuple[Hashable, dict | Lost]]:
-        """Wait, and return what came of tasks."""
+        """Wait, and return what came of tasks; nothing where somebody has become free."""
 
 
 def single(task: Any) -> Chain:
@@ -67,7 +67,7 @@ def spread(chains: Iterable[Chain], pool: Pool) -> Iterator[tuple[Any, dict]]:
             task = next(chain, None) if task is None else task
             if task is not None:
                 under_way[pool.submit(task)] = chain, task, tries + 1
-        if not under_way:
+        if not under_way and (stopped or not (ready or waiting)):
             return
         for key, outcome in pool.wait():
             chain, task, tries = under_way.pop(key)

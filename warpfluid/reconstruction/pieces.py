@@ -5,7 +5,7 @@ frames early, so that its volume is nearer to the other's when its own frames be
 frames' numbers alone, never on the workers, or the volumes would.
 """
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from warpfluid.footage.shot import Shot
@@ -27,6 +27,11 @@ class FrameTask:
     frame: int
     before: int | None = None
     lead: tuple[int, ...] = ()
+
+    @property
+    def origin(self) -> int | None:
+        """The frame whose volume is carried on."""
+        return self.lead[-1] if self.lead else self.before
 
 
 @dataclass(frozen=True)
@@ -53,12 +58,14 @@ class Pieces:
 
     def chains(self, frames: Iterable[int]) -> list[list[int]]:
         """Return the frames in groups that need not wait for each other."""
-        if not self.coherent:
-            return [[frame] for frame in sorted(frames)]
-        groups: dict[int, list[int]] = {}
+        groups: list[list[int]] = []
         for frame in sorted(frames):
-            groups.setdefault(self.piece(frame), []).append(frame)
-        return list(groups.values())
+            last = groups[-1][-1] if groups else None
+            if last is not None and self.coherent and self._near(last, frame) and self.piece(last) == self.piece(frame):
+                groups[-1].append(frame)
+            else:
+                groups.append([frame])
+        return groups
 
     def task(self, frame: int, known: Collection[int], done: Collection[int]) -> FrameTask:
         """Return how a frame is to be made.
@@ -83,23 +90,20 @@ class Pieces:
             later = number
         return FrameTask(frame, lead=tuple(reversed(lead)))
 
-    def stale(self, frames: Iterable[int], known: Collection[int], records: Mapping[int, dict]) -> list[int]:
-        """Return frames that are there and were not made as they would be now, and those that build on such.
-
-        A frame whose predecessor failed started anew; when that one is made at last, all after it are made again.
+    def to_make(self, frames: Collection[int], known: Collection[int], records: Mapping[int, dict]) -> list[int]:
+        """Return which frames are missing or would be made otherwise now, provided that all succeed.
 
         Args:
             frames: Those that matter.
             known: Frames that the run has or will have.
             records: Of the frames that it has.
         """
-        found = []
-        for frame in sorted(set(frames) & set(records)):
-            if "before" not in records[frame]:
-                continue
+        found, changed = [], set()
+        for frame in sorted(known):
             task = self.task(frame, known, known)
-            before = task.lead[-1] if task.lead else task.before
-            if records[frame]["before"] != before or task.before in found:
+            if frame in records and (task.before in changed or not is_made_so(task, records)):
+                changed.add(frame)
+            if frame in frames and (frame in changed or frame not in records):
                 found.append(frame)
         return found
 
@@ -118,16 +122,58 @@ def make_pieces(shot: Shot, options: ReconstructOptions) -> Pieces:
     )
 
 
-def frame_chain(pieces: Pieces, frames: Iterable[int], known: Collection[int], done: set[int]) -> Iterator[FrameTask]:
+def is_made_so(task: FrameTask, records: Mapping[int, dict]) -> bool:
+    """Return whether a frame that is there was made from what the task says, and that is still the same.
+
+    Args:
+        task: How it is made now.
+        records: Of the frames that the run has.
+    """
+    record, before = records[task.frame], records.get(task.before)
+    if record.get("before") != task.origin or record.get("lead") != list(task.lead):
+        return False
+    return before is None or record.get("origin") == before["volume"]
+
+
+def frame_chain(
+    pieces: Pieces,
+    group: Iterable[int],
+    frames: Collection[int],
+    known: Collection[int],
+    records: dict[int, dict],
+    forget: Callable[[list[int]], None],
+) -> Iterator[FrameTask]:
     """Yield the tasks of a chain, and be sent what came of each.
+
+    A frame whose predecessor failed started anew, and stays when that one fails again. When it is made at last,
+    all that build on it are made again.
 
     Args:
         pieces: How frames hang together.
-        frames: To make, rising.
+        group: Frames that build on each other, rising; some of them may be there.
+        frames: Those to make.
         known: Frames that the run has or will have.
-        done: Those that it has; what is made is added.
+        records: Of the frames that it has; what is made is added.
+        forget: Called with frames that are there and will be made again.
     """
-    for frame in frames:
-        outcome = yield pieces.task(frame, known, done)
+    for place, frame in enumerate(group):
+        task = pieces.task(frame, known, records)
+        if frame not in frames or (frame in records and is_made_so(task, records)):
+            continue
+        if frame in records:
+            again = [number for number in _heirs(group[place:], records) if number in frames]
+            forget(again)
+            for number in again:
+                del records[number]
+        outcome = yield task
         if "error" not in outcome:
-            done.add(frame)
+            records[frame] = outcome
+
+
+def _heirs(group: list[int], records: Mapping[int, dict]) -> list[int]:
+    """Return the first frame of a group, and those that are there and build on it or on such."""
+    found = [group[0]]
+    for frame in group[1:]:
+        if frame in records and records[frame].get("before") == found[-1]:
+            found.append(frame)
+    return found

@@ -64,7 +64,9 @@ class FrameJob:
         result, views, carried = self._model(task.frame, before, device, progress, self.observer)
         record = {
             "carried": carried,
-            "before": before[0] if before else None,
+            "before": task.origin,
+            "lead": list(task.lead),
+            "origin": self.run.volume_id(task.before) if task.before is not None else None,
             "inputs": self.shot.hashes(task.frame),
             **_numbers(result, views, self.settings.reconstruct.shoulder),
             "seconds": round(time.perf_counter() - begin, 3),
@@ -72,7 +74,7 @@ class FrameJob:
         output = self.settings.output
         record = self.run.write_volume(task.frame, result.volume, output, record)
         self._last = task.frame, stored(result.volume, output), views
-        return record
+        return record | {"volume": self.run.volume_id(task.frame)}
 
     def _before(self, task: FrameTask, device) -> Before | None:
         """Return number, volume and views of the frame before: of this run, or made to lead up to this one."""
