@@ -265,8 +265,9 @@ def _add_stream(container, picture: np.ndarray, rate: float):
     rows, columns = picture.shape[:2]
     stream.width, stream.height = columns + columns % 2, rows + rows % 2
     stream.pix_fmt = "yuv420p"
-    stream.options = {"crf": QUALITY}
+    stream.options = {"crf": QUALITY, "mbtree": "0"}  # that tree reads memory beyond the picture: other bytes each time
     codec = stream.codec_context
+    codec.thread_count = 1  # more threads, other bytes
     codec.colorspace = codec.color_primaries = codec.color_trc = BT709
     codec.color_range = LIMITED_RANGE
     return stream
