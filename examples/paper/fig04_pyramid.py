@@ -2,8 +2,9 @@
 Fig. 4: the steerable pyramid
 =============================
 
-Four scales of four orientations of a picture of the packaged fire, the finest residual left out as in the paper.
-Example 03 explains the pyramid; here it is checked on this picture.
+Appearance is described by the histograms of a picture's sub-bands. The third-order steerable pyramid splits a picture
+into scales, and every scale into four orientations: here four of a picture of the packaged fire, the finest residual
+left out as in the paper. It is a tight frame: coefficients have the pixels' energy, and it collapses to its picture.
 """
 
 import numpy as np

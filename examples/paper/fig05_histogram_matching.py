@@ -3,7 +3,8 @@ Fig. 5: histogram interpolation and matching
 ============================================
 
 The third-scale, fourth-orientation sub-band of a rendered view between two inputs gets the histogram that Eq. 4 puts
-between theirs. Example 04 explains it; here the distances are measured in bins, as the paper has them.
+between theirs, value by value. No bins are chosen for that: the weighted pool of both samples is the limit of
+infinitely many. Only the distances are measured in bins, as the paper has them.
 """
 
 import numpy as np

@@ -23,11 +23,11 @@ print(result)
 # Least squares above, appearance transfer below, from 0 to 90 degrees; then slices from above of both.
 
 angles_deg = (0, 15, 30, 45, 60, 75, 90)
-save("05_views.png", stack([strip(volume, angles_deg) for volume in (result.initial, result.volume)]))
+save("03_views.png", stack([strip(volume, angles_deg) for volume in (result.initial, result.volume)]))
 heights = [int(part * (views.size[1] - 1)) for part in (0.15, 0.3, 0.45, 0.6, 0.75)]
 white = float(np.quantile(result.volume[result.volume > 0], 0.999))
 slices = [slices_picture(volume, heights, white=white) for volume in (result.initial, result.volume)]
-save("05_slices.png", stack(slices).repeat(2, axis=0).repeat(2, axis=1))
+save("03_slices.png", stack(slices).repeat(2, axis=0).repeat(2, axis=1))
 
 # %%
 # The energy after each M-step and after each E-step. Both fall from one iteration to the next. Within an iteration the
@@ -36,7 +36,7 @@ save("05_slices.png", stack(slices).repeat(2, axis=0).repeat(2, axis=1))
 iterations = np.arange(len(result.energies)) + 1
 after_m, after_e = result.energies.T / 1e6
 save(
-    "05_energy.png",
+    "03_energy.png",
     plot(
         {"after the M-step": (iterations, after_m), "after the E-step": (iterations, after_e)},
         "energy (Eq. 1) [million] over the iteration",

@@ -52,4 +52,4 @@ for name in preset_names():
     pictures = [apply_ramp(image.T[::-1], look, 255.0).repeat(4, axis=0).repeat(4, axis=1) for image in images]
     rows.append(captioned(in_a_row(pictures), f"{name}, frames {', '.join(map(str, FRAMES))}"))
     print(f"{name}: brightest ray {max(image.max() for image in images):.0f}")
-save("08_simulate_presets.png", stack(rows))
+save("06_simulate_presets.png", stack(rows))

@@ -24,10 +24,10 @@ ours = wf.reconstruct(front, device="cpu")
 # Above the paper's choices, below ours, from 0 to 180 degrees; then slices from above.
 
 angles_deg = (0, 30, 60, 90, 120, 150, 180)
-save("06_views.png", stack([strip(result.volume, angles_deg) for result in (paper, ours)]))
+save("04_views.png", stack([strip(result.volume, angles_deg) for result in (paper, ours)]))
 heights = [int(part * (front.size[1] - 1)) for part in (0.15, 0.3, 0.45, 0.6, 0.75)]
 slices = [slices_picture(result.volume, heights) for result in (paper, ours)]
-save("06_slices.png", stack(slices).repeat(2, axis=0).repeat(2, axis=1))
+save("04_slices.png", stack(slices).repeat(2, axis=0).repeat(2, axis=1))
 
 # %%
 # The paper's volume is its own mirror image in the diagonal plane x = z.

@@ -43,7 +43,7 @@ def picture(studio: Studio) -> np.ndarray:
 
 
 row = {name: picture(make_studio(RenderOptions(look=name), lamps, name, device)) for name in look_names()}
-save("10_looks.png", panel(row))
+save("08_looks.png", panel(row))
 
 # %%
 # A look of one's own: sulphur. Blue flames by temperature, thin yellow smoke.
@@ -58,4 +58,4 @@ sulphur = make_look(
 )
 mine = picture(Studio(options=RenderOptions(), lamps=lamps, look=sulphur, ramp="gray", device=device))
 print(f"sulphur: brightest pixel {mine.max(axis=(0, 1))}")
-save("10_sulphur.png", mine)
+save("08_sulphur.png", mine)
