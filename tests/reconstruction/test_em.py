@@ -44,6 +44,25 @@ def test_measured_views_come_out_as_they_went_in(views, device):
         assert psnr(rendered, image) > 55
 
 
+def level_detail(pictures):
+    """Light of the finest detail along the height that is the same over an eighth of the width, one for the pictures."""
+    windowed = pictures * np.hanning(pictures.shape[1])[:, None] * np.hanning(pictures.shape[2])
+    power = np.abs(np.fft.rfft2(windowed)) ** 2
+    return power[:, : pictures.shape[1] // 12 + 1, -pictures.shape[2] // 8 :].sum()
+
+
+def test_one_view_leaves_no_combs(pictures, fire):
+    """A highpass that is not parted makes up with level lines for the fine detail that slices lack across."""
+    front, angles = Views(pictures[0.0][None], (0.0,)), tuple(range(15, 180, 15))
+    truth = level_detail(Projector(angles, fire.shape, device="cpu").project(fire))
+    parted, whole = (
+        level_detail(reconstruct(front, quick(iterations=8, highpass=kind), device="cpu").render(angles)) / truth
+        for kind in ("parted", "whole")
+    )
+    assert parted < 4.5
+    assert parted < 0.5 * whole
+
+
 def test_what_a_reconstruction_holds(result, views, fire):
     """Volumes of the box's shape, finite and nowhere negative; two energies an iteration."""
     for volume in (result.volume, result.initial):

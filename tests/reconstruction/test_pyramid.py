@@ -52,6 +52,36 @@ def test_is_exact_for_any_shape_height_and_order(shape, height, order, decimate,
     assert energy(bands) == pytest.approx(np.square(image).sum(), rel=1e-12)
 
 
+@given(
+    shape=st.tuples(st.integers(2, 70), st.integers(2, 70)),
+    height=st.integers(1, 4),
+    seed=st.integers(0, 99),
+)
+@settings(max_examples=40)
+def test_a_parted_highpass_is_exact_too(shape, height, seed):
+    """The parts put the high-pass together again, and have its energy; the other bands are the same."""
+    parted = SteerablePyramid(shape, height, dtype=np.float64, part_highpass=True)
+    image = picture(shape, seed) - 0.5
+    bands, whole = parted.build(image), SteerablePyramid(shape, height, dtype=np.float64).build(image)
+    assert list(bands) == parted.keys
+    assert np.abs(parted.collapse(bands) - image).max() < 1e-12
+    high = {key: band for key, band in bands.items() if key not in whole}
+    assert len(high) == 3
+    assert energy(high) == pytest.approx(energy({0: whole["highpass"]}), rel=1e-9, abs=1e-20)
+    np.testing.assert_array_equal(bands[0, 2], whole[0, 2])
+
+
+@pytest.mark.parametrize(("wave", "part"), [((0, 1), 0), ((1, 1), 1), ((1, -1), 1), ((1, 0), 2)])
+def test_parts_of_the_highpass_see_what_changes_along_their_direction(wave, part):
+    """Level lines are the first part's, diagonals of either kind the second's, upright lines the third's."""
+    rows, columns = np.mgrid[:64, :64]
+    phase = 2.8 * (wave[0] * rows + wave[1] * columns) / np.hypot(*wave)
+    bands = SteerablePyramid((64, 64), 2, dtype=np.float64, part_highpass=True).build(np.sin(phase))
+    energies = [energy({0: bands["highpass", i]}) for i in range(3)]
+    assert int(np.argmax(energies)) == part
+    assert energies[part] > 0.75 * sum(energies)
+
+
 @pytest.mark.parametrize("shape", SHAPES)
 def test_decimation_keeps_the_energy_of_every_band(shape):
     """A smaller band holds the same light as the full-size one."""

@@ -153,6 +153,10 @@ class ReconstructOptions:
     patch: Annotated[int, "Size of a patch of texture optimisation [pixel]"] = 16
     sweeps: Annotated[int, "Sweeps over the statistics of portilla-simoncelli in an M-step"] = 2
     scales: Annotated[int | None, "Scales of the steerable pyramid; from the picture's size by default"] = None
+    highpass: Annotated[
+        Literal["parted", "whole"],
+        "Finest detail of the pyramid: parted by direction, or one band (the paper), which leaves combs of level lines",
+    ] = "parted"
     interpolation: Annotated[
         Literal["density", "quantile", "hybrid", "nearest", "first"],
         "How histograms of neighbouring inputs mix: density is Eq. 4",
@@ -236,6 +240,7 @@ PAPER = {
     "slice_rescale": True,
     "balance": 0,
     "fade": 0.0,
+    "highpass": "whole",
     "start_noise": 0.0,
     "hull": "silhouette",
     "stand_in": "measured",

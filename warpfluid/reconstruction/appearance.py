@@ -27,6 +27,9 @@ class AppearanceTransfer:
         fan_deg: Angles of the views to transfer to, in [0, 180) [degree].
         height: Scales of the pyramid; from the picture's size when omitted.
         interpolation: A key of ``histogram.MIXTURES``, or ``first`` for the first input alone.
+        part_highpass: Match the finest detail direction by direction. A volume whose slices are fitted one by one has
+            no fine detail across and any amount of it along the height. Matched as a whole, what is missing of the
+            one is made up for by the other, which shows as combs of level lines.
     """
 
     def __init__(
@@ -37,9 +40,11 @@ class AppearanceTransfer:
         *,
         height: int | None = None,
         interpolation: str = "density",
+        part_highpass: bool = True,
     ):
         size = images.shape[1:]
-        self.pyramid = shared_pyramid(padded_shape(size), height or default_height(size))
+        height = height or default_height(size)
+        self.pyramid = shared_pyramid(padded_shape(size), height, part_highpass=part_highpass)
         if interpolation == "first":
             images, angles_deg, interpolation = images[:1], angles_deg[:1], "nearest"
         self._targets, self._ranks = self._make_targets(images, angles_deg, fan_deg, interpolation)

@@ -23,6 +23,8 @@ class SteerablePyramid:
 
     Coefficients are a dictionary: ``"highpass"``, ``(scale, band)`` with scale 0 the finest, ``"lowpass"``. Band b is
     made of derivatives along the direction b / (order + 1) * 180 degrees, counted from the last axis to the first.
+    The high-pass may be parted by direction, too: ``("highpass", part)`` is what changes along the last axis, along
+    both diagonals, and along the first axis.
 
     Args:
         shape: Size of an image.
@@ -30,10 +32,18 @@ class SteerablePyramid:
         order: Order of the derivatives; 3 gives the paper's four orientations.
         dtype: Precision of images and coefficients.
         decimate: Halve the size from scale to scale; off, every band has the image's size.
+        part_highpass: Part the high-pass by direction.
     """
 
     def __init__(
-        self, shape: tuple[int, int], height: int = 4, order: int = 3, dtype=np.float32, *, decimate: bool = True
+        self,
+        shape: tuple[int, int],
+        height: int = 4,
+        order: int = 3,
+        dtype=np.float32,
+        *,
+        decimate: bool = True,
+        part_highpass: bool = False,
     ):
         if height < 1 or order < 0 or min(shape) < 2:
             raise ValueError(f"shape {shape}, height {height}, order {order}: expected >= 2 pixels, >= 1 scale, >= 0")
@@ -44,11 +54,14 @@ class SteerablePyramid:
             rows, columns = self.sizes[-1]
             self.sizes.append(((rows + 1) // 2, (columns + 1) // 2) if decimate else (rows, columns))
         self._make_filters(decimate)
+        self._highs = {HIGHPASS: self._highpass}
+        if part_highpass:
+            self._highs = {(HIGHPASS, i): self._highpass * part for i, part in enumerate(self._directions())}
 
     @property
     def keys(self) -> list[Hashable]:
         """The bands, fine to coarse."""
-        return [HIGHPASS, *((s, b) for s in range(self.height) for b in range(self.order + 1)), LOWPASS]
+        return [*self._highs, *((s, b) for s in range(self.height) for b in range(self.order + 1)), LOWPASS]
 
     def build(self, images: np.ndarray, visit: Callable[[Hashable, np.ndarray], np.ndarray] | None = None) -> Bands:
         """Decompose images.
@@ -62,7 +75,8 @@ class SteerablePyramid:
         """
         visit = visit or (lambda key, band: band)
         spectrum = self._forward(np.asarray(images, self.dtype))
-        bands = {HIGHPASS: visit(HIGHPASS, self._inverse(spectrum * self._highpass, self.sizes[0]))}
+        highs = self._highs.items()
+        bands = {key: visit(key, self._inverse(spectrum * high, self.shape)) for key, high in highs}
         low = spectrum * self._lowpass
         for scale, filters in enumerate(self._oriented):
             for band, band_filter in enumerate(filters):
@@ -82,7 +96,10 @@ class SteerablePyramid:
             for band, band_filter in enumerate(self._oriented[scale]):
                 total += self._forward(bands[scale, band]) * np.conj(band_filter)
             low = total
-        return self._inverse(low * self._lowpass + self._forward(bands[HIGHPASS]) * self._highpass, self.shape)
+        total = low * self._lowpass
+        for key, high in self._highs.items():
+            total += self._forward(bands[key]) * high
+        return self._inverse(total, self.shape)
 
     def _make_filters(self, decimate: bool) -> None:
         bands = self.order + 1
@@ -101,6 +118,16 @@ class SteerablePyramid:
                 ring = 1j**self.order * norm * _rising(radius, np.pi / 2 ** (scale + 1))  # i^order: real bands
                 lobes = (np.cos(direction - np.pi * band / bands) ** self.order for band in range(bands))
                 self._oriented.append([(ring * lobe).astype(complex_dtype) for lobe in lobes])
+
+    def _directions(self) -> list[np.ndarray]:
+        """Return what parts the high-pass; squares add up to 1.
+
+        Both diagonals are one, for at the Nyquist frequency, which matters here, they cannot be told apart.
+        """
+        _, direction = polar(self.shape, self.shape)
+        lobes = [0.8 * np.cos(direction - np.pi * band / 4) ** 6 for band in range(4)]
+        parts = (lobes[0], lobes[1] + lobes[3], lobes[2])
+        return [np.sqrt(part).astype(self.dtype) for part in parts]
 
     def _halving_filter(self, radius: np.ndarray, scale: int, size: tuple[int, int], decimate: bool) -> np.ndarray:
         low = _falling(radius, np.pi / 2**scale)
@@ -121,9 +148,9 @@ class SteerablePyramid:
 
 
 @functools.lru_cache(maxsize=8)
-def shared_pyramid(shape: tuple[int, int], height: int) -> SteerablePyramid:
+def shared_pyramid(shape: tuple[int, int], height: int, *, part_highpass: bool = False) -> SteerablePyramid:
     """Return the third-order pyramid of a shape; frames of a sequence share its filters."""
-    return SteerablePyramid(shape, height)
+    return SteerablePyramid(shape, height, part_highpass=part_highpass)
 
 
 def default_height(shape: tuple[int, int]) -> int:

@@ -36,7 +36,8 @@ def make_transfer(
 
 def _histograms(images, angles_deg, fan_deg, options: ReconstructOptions) -> AppearanceTransfer:
     choices = {"height": options.scales, "interpolation": options.interpolation}
-    return AppearanceTransfer(images, angles_deg, fan_deg, **choices)
+    parted = options.highpass == "parted"
+    return AppearanceTransfer(images, angles_deg, fan_deg, **choices, part_highpass=parted)
 
 
 def _texture_optimization(images, angles_deg, fan_deg, options: ReconstructOptions) -> TextureOptimization:
