@@ -45,7 +45,7 @@ def test_measured_views_come_out_as_they_went_in(views, device):
 
 
 def level_detail(pictures):
-    """Light of the finest detail along the height that is the same over an eighth of the width, one for the pictures."""
+    """Power of the finest detail along the height that is alike over some twelfth of the width."""
     windowed = pictures * np.hanning(pictures.shape[1])[:, None] * np.hanning(pictures.shape[2])
     power = np.abs(np.fft.rfft2(windowed)) ** 2
     return power[:, : pictures.shape[1] // 12 + 1, -pictures.shape[2] // 8 :].sum()
