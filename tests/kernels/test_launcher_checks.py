@@ -24,6 +24,7 @@ from warpfluid.kernels.fluid import (
     probe,
     shapes,
     spline,
+    surface,
     totals,
     tracing,
     transport,
@@ -255,6 +256,10 @@ LAUNCHERS = {
     shares.voxel_share: ({"corners": floats(N + 1, N + 1, HEIGHTS + 1), "out": volume}, {"first": (0, 0, 0)}),
     shares.hold: ({"velocity": volume, "opening": volume, "solid": volume}, {}),
     shares.empty_covered: ({"field": volume, "fluid": volume}, {}),
+    surface.sharpen: (
+        {"field": volume, "inwards": vectors_of(N, N, HEIGHTS), "out": volume},
+        {"sides": placed["sides"], "reference": 1.0, "width": 0.5, "time_step": 0.1},
+    ),
     emission.cover: ({"share": volume}, {}),
     emission.soften: ({"distance": volume}, {"width": 2.0}),
     emission.let_in: (
@@ -364,6 +369,8 @@ LAUNCHERS = {
     pictures.resize: ({"field": images}, {"size": (3, 4)}),
 }
 OPTIONAL = {
+    (surface.sharpen, "inwards"),
+    (surface.sharpen, "out"),
     (ramp.look_up, "out"),
     (correlation.expand, "out"),
     (pictures.median, "out"),

@@ -67,6 +67,7 @@ RANGES = {
     "density_buoyancy": (-25, 25),
     "temperature_buoyancy": (-150, 150),
     "liquid_weight": (0, 1000),
+    "liquid_surface": (0, 1),
     "swirl": (0, 10),
     "detail": (1, 4),
     "detail_strength": (0, 4),

@@ -60,6 +60,9 @@ class SimulateOptions:
     liquid_weight: Annotated[
         float | str, "Mass of full density against the air's, less one: 20 falls as a liquid does; 0 is a gas"
     ] = 0.0
+    liquid_surface: Annotated[
+        float | str, "How firmly a liquid is drawn together at its surface, 0-1; 0 lets it fade into mist"
+    ] = 1.0
     swirl: Annotated[
         float | str, "Vorticity confinement: makes curls stronger, where there is fluid; may depend on a field"
     ] = 0.0

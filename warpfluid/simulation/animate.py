@@ -162,6 +162,7 @@ class Animator:
             forces=tuple(place_force(force, self.placing, frame) for force in scene.force),
             solids=self.scenery.solids(frame, later, seconds),
             motion=self._motion(frame, seconds, now, then),
+            follows=then is not None,
         )
 
     def _wanted(self, volume: wp.array, motion: Motion | None, seconds: float, frame: float) -> wp.array:

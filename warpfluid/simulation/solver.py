@@ -1,7 +1,8 @@
 """One step of a Navier-Stokes solver, in Maya's place.
 
-Carry everything along the velocity (MacCormack, Selle et al. 2008), let in what emitters emit, burn, cool and vanish,
-apply forces, and make the velocity divergence-free again (Stam 1999; on a MAC grid as Harlow and Welch 1965).
+Carry everything along the velocity (MacCormack, Selle et al. 2008), draw liquids together, let in what emitters emit,
+burn, cool and vanish, apply forces, and make the velocity divergence-free again (Stam 1999; on a MAC grid as Harlow and
+Welch 1965).
 """
 
 import math
@@ -17,7 +18,7 @@ from warpfluid.kernels.sides import OPEN
 from warpfluid.simulation.emitters import Emitter, emit
 from warpfluid.simulation.forces import Force, add_forces
 from warpfluid.simulation.guidance import Motion
-from warpfluid.simulation.liquid import liquid_mass
+from warpfluid.simulation.liquid import draw_together, liquid_mass
 from warpfluid.simulation.physics import Physics
 from warpfluid.simulation.pressure import hold, make_incompressible
 from warpfluid.simulation.solids import clear, enforce
@@ -37,12 +38,14 @@ class Surroundings:
         forces: Fields of force.
         solids: What stands in the way.
         motion: What the footage asks of the velocity.
+        follows: Whether the density follows volumes, which say themselves how sharp a liquid is.
     """
 
     emitters: tuple[Emitter, ...] = ()
     forces: tuple[Force, ...] = ()
     solids: Solids | None = None
     motion: Motion | None = None
+    follows: bool = False
 
 
 class Solver:
@@ -99,6 +102,8 @@ class Solver:
         else:
             hold(state.velocity, self.sides, solids)
         self._carry(state, frame, seconds)
+        if not around.follows:
+            draw_together(self.physics, state, solids, frame)
         expansion = self._change(state, frame, seconds)
         add_forces(self.physics, state, frame, seconds, around.forces)
         if solids:
