@@ -110,13 +110,14 @@ def demo(out: Path, common) -> int:
     return code
 
 
-def doctor(common) -> int:
-    """Report on the installation and the machine; return the exit code."""
-    from warpfluid.doctor import examine, lines
+def doctor(cluster: str | None, common) -> int:
+    """Report on the installation, the machine and a cluster; return the exit code, 1 if nothing can be made here."""
+    from warpfluid.doctor import complaints, examine, lines
 
-    found = examine()
+    found = examine(common.device, cluster)
+    found["problems"] = complaints(found)
     print(json.dumps(found, indent=2) if common.json else "\n".join(lines(found)))
-    return 0
+    return 1 if found["problems"] else 0
 
 
 def _check_lengths(shot: Shot, settings: Settings) -> None:

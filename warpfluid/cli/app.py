@@ -14,8 +14,8 @@ from warpfluid import __version__
 from warpfluid.errors import describe
 
 ENVIRONMENT = (
-    "The environment counts where no flag is given: WARPFLUID_DEVICE, WARPFLUID_JOBS, WARPFLUID_CLUSTER as the flags of "
-    "these names; WARPFLUID_THREADS: CPU threads; WARPFLUID_CACHE: folder of compiled kernels; NO_COLOR: no colours."
+    "The environment counts where no flag is given: WARPFLUID_DEVICE, WARPFLUID_JOBS, WARPFLUID_CLUSTER as the flags "
+    "of these names; WARPFLUID_THREADS: CPU threads; WARPFLUID_CACHE: folder of compiled kernels; NO_COLOR: no colours."
 )
 
 

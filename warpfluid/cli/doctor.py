@@ -1,15 +1,14 @@
 """``warpfluid doctor``: the installation."""
 
 from warpfluid.cli.app import app
-from warpfluid.cli.flags import (
-    COMMON,
-    Common,
-)
+from warpfluid.cli.configured import configure
+from warpfluid.cli.flags import COMMON, ClusterFlag, Common
 
 
 @app.command
-def doctor(*, common: Common = COMMON) -> int:
-    """Check the installation: versions, devices, kernel cache, video, windows."""
+def doctor(*, cluster: ClusterFlag = None, common: Common = COMMON) -> int:
+    """Check the installation: versions, devices, memory, kernel cache, video, windows, a cluster."""
     from warpfluid import commands
 
-    return commands.doctor(common)
+    chosen = configure(common, cluster=cluster)
+    return commands.doctor(chosen.cluster, chosen.common)
