@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tiny import BARE, pair, quick, run
 
-from warpfluid import doctor
+from warpfluid.doctor import windows as doctor
 from warpfluid.files.images import read_image
 from warpfluid.files.npz import write_npz
 from warpfluid.footage.origin import find_footage
