@@ -113,6 +113,10 @@ def test_a_frame_that_failed_and_those_after_it(tmp_path, flags, unbroken, monke
     with monkeypatch.context() as patch:
         patch.setattr(sequence.FrameJob, "_model", fail)
         assert run("reconstruct", *flags, "-o", tmp_path / "run") == 1
+        times = {path: path.stat().st_mtime_ns for path in (tmp_path / "run").glob("*.vdb")}
+        assert run("reconstruct", "-o", tmp_path / "run", "--resume") == 1  # it fails again: nothing else has changed
+        assert times == {path: path.stat().st_mtime_ns for path in (tmp_path / "run").glob("*.vdb")}
+        assert "made again" not in capsys.readouterr().err
     assert numbers(tmp_path / "run") == [1001, 1003, 1004]
     assert volumes(tmp_path / "run")["density.1003.vdb"] != whole["density.1003.vdb"]
     capsys.readouterr()
@@ -129,6 +133,23 @@ def test_a_run_in_parts(tmp_path, flags, unbroken):
     assert volumes(tmp_path / "parts") == volumes(unbroken)
     assert run("reconstruct", "-o", tmp_path / "again", "--config", tmp_path / "parts" / "run.toml") == 0
     assert volumes(tmp_path / "again") == volumes(unbroken)
+
+
+def test_a_part_that_changes_what_lies_behind_it(tmp_path, flags, unbroken, monkeypatch):
+    """Frames that were not asked for are noticed when they are."""
+    model = sequence.FrameJob._model
+
+    def fail(job, frame, *rest):
+        if frame == 1002:
+            raise RuntimeError("out of luck")
+        return model(job, frame, *rest)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(sequence.FrameJob, "_model", fail)
+        assert run("reconstruct", *flags, "-o", tmp_path / "run") == 1
+    assert run("reconstruct", "-o", tmp_path / "run", "--resume", "--frames", "1001-1003") == 0
+    assert run("reconstruct", "-o", tmp_path / "run", "--resume") == 0
+    assert volumes(tmp_path / "run") == volumes(unbroken)
 
 
 def test_frames_far_apart_start_anew(tmp_path, flags):

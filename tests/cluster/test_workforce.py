@@ -65,6 +65,19 @@ def test_a_process_a_card():
     assert len(workers(3, CARDS, free=2 * PROCESS_BYTES).devices) == 2
 
 
+def test_cards_with_unequal_room():
+    """One that another program fills gets no worker, a large one gets several."""
+    cards = tuple(
+        Card(is_cuda=True, number=k, free_memory=room) for k, room in enumerate((2 * GB, 40 * GB, 9 * GB, 20 * GB))
+    )
+    assert workers(None, cards, need=8 * GB).devices == ("cuda:1", "cuda:2", "cuda:3")
+    assert workers(6, cards, need=8 * GB).devices == ("cuda:1", "cuda:2", "cuda:3", "cuda:1", "cuda:3", "cuda:1")
+    few = workers(7, cards, need=12 * GB)
+    assert few.devices == ("cuda:1", "cuda:3", "cuda:1", "cuda:1")
+    assert few.notes == ("7 frames at once need 13 GB each, more than is free: 4 at once",)
+    assert workers(None, cards, need=50 * GB).devices == ("cuda:1",)
+
+
 @pytest.mark.parametrize("jobs", ["0", "-1", "two", "1.5", "", "9999", "²"])
 def test_what_is_no_number(jobs):
     with pytest.raises(ValueError, match="jobs is"):

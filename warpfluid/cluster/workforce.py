@@ -50,7 +50,7 @@ def make_workforce(
     """
     cores, notes = thread_count(), []
     on_gpu = devices[0].is_cuda
-    count = jobs or (len(devices) if on_gpu else cores)
+    count = jobs or (len(set(_places(devices, MANY, need))) if on_gpu else cores)
     if count > cores:
         notes.append(f"{count} processes are more than the {cores} cores: {cores} at once")
         count = cores
@@ -58,12 +58,18 @@ def make_workforce(
         if jobs and tasks > 1:
             notes.append(f"no more than {tasks} of {count} processes find work at a time")
         count = max(tasks, 1)
-    fit = int(free() // (PROCESS_BYTES + (0 if on_gpu else need)))
-    if on_gpu:
-        fit = min(fit, sum(int(device.free_memory // max(need, 1)) for device in devices))
-    if count > max(fit, 1):
+    places = _places(devices, count, need)
+    fit = min(len(places), max(int(free() // (PROCESS_BYTES + (0 if on_gpu else need))), 1))
+    if count > fit:
         gigabytes = f"{(need + PROCESS_BYTES) / 1e9:.2g} GB"
-        notes.append(f"{count} frames at once need {gigabytes} each, more than is free: {max(fit, 1)} at once")
-        count = max(fit, 1)
-    names = tuple(str(devices[place % len(devices)]) for place in range(count))
-    return Workforce(devices=names, threads=max(1, cores // count), cache=cache, notes=tuple(notes))
+        notes.append(f"{count} frames at once need {gigabytes} each, more than is free: {fit} at once")
+    return Workforce(devices=places[:fit], threads=max(1, cores // fit), cache=cache, notes=tuple(notes))
+
+
+def _places(devices: tuple, count: int, need: int) -> tuple[str, ...]:
+    """Return where workers compute: GPU after GPU, as long as each has room for another task; one at least."""
+    if not devices[0].is_cuda:
+        return (str(devices[0]),) * count
+    room = {str(device): int(device.free_memory // max(need, 1)) for device in devices}
+    rounds = [name for turn in range(min(count, max(room.values()))) for name, tasks in room.items() if tasks > turn]
+    return tuple(rounds[:count]) or (str(max(devices, key=lambda device: device.free_memory)),)
