@@ -50,7 +50,7 @@ def make_workforce(
     """
     cores, notes = thread_count(), []
     on_gpu = devices[0].is_cuda
-    count = jobs or (len(set(_places(devices, MANY, need))) if on_gpu else cores)
+    count = jobs or (len(set(_places(devices, len(devices), need))) if on_gpu else cores)
     if count > cores:
         notes.append(f"{count} processes are more than the {cores} cores: {cores} at once")
         count = cores
