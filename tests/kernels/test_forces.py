@@ -71,6 +71,15 @@ def test_wind_is_the_law(sides, masked, device):
         np.testing.assert_allclose(after, before + change, atol=1e-6)
 
 
+def test_wind_leaves_components_alone(device):
+    """Those that are None, bit for bit."""
+    faces = random_faces()
+    got = pushed(add_wind, faces, device, wind=(1.0, None, None), rate=2.0, time_step=0.1, sides=six(ALL_OPEN))
+    assert np.abs(got[0] - faces[0]).min() > 0
+    for before, after in zip(faces[1:], got[1:], strict=True):
+        np.testing.assert_array_equal(before, after)
+
+
 def test_wind_does_not_depend_on_the_step(device):
     """Four short steps are one long one, and a strong wind takes everything along."""
     faces = random_faces()

@@ -12,6 +12,7 @@ from warpfluid.kernels.forces.pushes import add_push
 from warpfluid.kernels.forces.reach import make_reach
 from warpfluid.kernels.forces.swirl import add_swirl
 from warpfluid.kernels.forces.turbulence import add_turbulence
+from warpfluid.kernels.sides import CLOSED, SIX
 from warpfluid.options import ForceOptions
 from warpfluid.options.keys import Keyed
 from warpfluid.options.scene import EVERYWHERE
@@ -58,18 +59,31 @@ def add_forces(physics: Physics, state: FluidState, frame: float, seconds: float
     step = {"sides": physics.sides, "time_step": seconds}
     _swirl(physics, state, frame, step)
     wind = SWAP @ physics.placing.vector(physics.options.wind, frame)
-    blown = np.any(wind) or any(force.kind in ("wind", "drag") for force in forces)
-    mask = decay.make_mask(state.density, reference=physics.placing.reference) if blown else None
-    if np.any(wind):
-        add_wind(*state.velocity, wind=tuple(wind), rate=physics.number("wind_drag", frame), mask=mask, **step)
-    for force in forces:
+    blowing = [Force("wind", physics.number("wind_drag", frame), (), 0.0, tuple(wind))] if np.any(wind) else []
+    for force in (*blowing, *forces):
         if force.kind in ("wind", "drag"):
-            wind = force.direction if force.kind == "wind" else (0.0, 0.0, 0.0)
-            local = {"centre": force.centre, "radius": force.radius, "sides": physics.sides}
-            there = make_reach(wp.empty_like(mask), **local) if force.radius else mask
-            add_wind(*state.velocity, wind=wind, rate=force.strength, mask=there, **step)
+            mask = _reach(state, force, physics.sides) if force.radius else _blown(physics, state, force)
+            # What rises goes on rising in a wind from the side: components that it has not are left alone.
+            wind = tuple(part or None for part in force.direction) if force.kind == "wind" else (0.0, 0.0, 0.0)
+            add_wind(*state.velocity, wind=wind, rate=force.strength, mask=mask, **step)
         else:
             add_push(*state.velocity, **force._asdict(), **step)
+
+
+def _blown(physics: Physics, state: FluidState, force: Force) -> wp.array | None:
+    """Return where a wind blows: everywhere, for it is the air that moves. Drag acts on the fluid alone.
+
+    So does a wind between two walls, where air cannot blow through the box.
+    """
+    sides = physics.sides
+    walled = any(part and sides[2 * axis] == sides[2 * axis + 1] == CLOSED for axis, part in enumerate(force.direction))
+    if force.kind == "wind" and not walled:
+        return None
+    return decay.make_mask(state.density, reference=physics.placing.reference)
+
+
+def _reach(state: FluidState, force: Force, sides: SIX) -> wp.array:
+    return make_reach(wp.empty_like(state.density), centre=force.centre, radius=force.radius, sides=sides)
 
 
 def _swirl(physics: Physics, state: FluidState, frame: float, step: dict) -> None:

@@ -113,7 +113,7 @@ def add_wind(
     velocity_z: wp.array3d[float],
     velocity_y: wp.array3d[float],
     *,
-    wind: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    wind: tuple[float | None, float | None, float | None] = (0.0, 0.0, 0.0),
     rate: float,
     sides: SIX,
     time_step: float,
@@ -127,7 +127,7 @@ def add_wind(
         velocity_x: [voxel/s], shape (nx + 1, nz, ny).
         velocity_z: Shape (nx, nz + 1, ny).
         velocity_y: Shape (nx, nz, ny + 1).
-        wind: Its velocity, components (x, z, y) [voxel/s].
+        wind: Its velocity, components (x, z, y) [voxel/s]; those that are None stay as they are.
         rate: How fast the difference vanishes [1/s].
         sides: What the box's six sides are; faces on closed ones stay as they are.
         time_step: [s].
@@ -144,4 +144,5 @@ def add_wind(
         return
     mask = wp.empty((0, 0, 0), dtype=float, device=device) if mask is None else mask
     for axis, velocity in enumerate((velocity_x, velocity_z, velocity_y)):
-        launch_run(wind_kernel, [wind[axis], rate * time_step, mask, axis, wp.vec3i(*cells), sides], velocity)
+        if wind[axis] is not None:
+            launch_run(wind_kernel, [wind[axis], rate * time_step, mask, axis, wp.vec3i(*cells), sides], velocity)
