@@ -48,6 +48,18 @@ def compile_kernels(devices: Iterable[wp.Device]) -> str:
     return wp.config.kernel_cache_dir
 
 
+@contextlib.contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Let linear algebra use one thread, within this or, as a decorator, in a function.
+
+    With several its sums end in other bits, as many as there are, and they would stand in the way of our own threads.
+    """
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(limits=1, user_api="blas"):
+        yield
+
+
 @functools.cache
 def start_warp() -> None:
     """Start Warp once, without its banner and without a warning where there is no GPU."""

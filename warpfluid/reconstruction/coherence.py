@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 import warp as wp
 
-from warpfluid.device import pick_device
+from warpfluid.device import one_blas_thread, pick_device
 from warpfluid.kernels import vectors
 from warpfluid.kernels.tomography import filling
 from warpfluid.motion.carry import carry
@@ -29,6 +29,7 @@ REFRESH = 0.06  # log-amplitude of noise on a carried volume: expanding matter w
 CUT = 0.5  # share of the light missing after the trial above which the frame is another scene
 
 
+@one_blas_thread()
 def follow(
     previous: np.ndarray,
     now: Views,

@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 import warp as wp
 
-from warpfluid.device import pick_device
+from warpfluid.device import one_blas_thread, pick_device
 from warpfluid.kernels import vectors
 from warpfluid.kernels.blur import blur
 from warpfluid.options import ReconstructOptions
@@ -31,6 +31,7 @@ NEVER_SEEN = 1e-6  # keeps the share of a voxel that no ray visits at 0
 Progress = Callable[[int, float], None]
 
 
+@one_blas_thread()
 def reconstruct(
     views: Views,
     options: ReconstructOptions | None = None,

@@ -3,6 +3,7 @@
 import time
 from dataclasses import dataclass, field, replace
 
+from warpfluid.device import one_blas_thread
 from warpfluid.errors import writing
 from warpfluid.options import CameraOptions
 from warpfluid.rendering.framing import cameras, picture_size
@@ -47,6 +48,7 @@ class PictureJob:
         lattice = self.volumes.lattice
         return lattice.voxel_size if lattice else self.volumes.output.voxel_size
 
+    @one_blas_thread()
     def __call__(self, shot: Shot, device, progress) -> dict:
         """Make a picture and write it, unless it is one of a film.
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from warpfluid.device import one_blas_thread
 from warpfluid.rendering.harmonics import harmonics
 from warpfluid.rendering.lighting import Lighting, Sun
 
@@ -48,6 +49,7 @@ def read_probe(path: str | Path) -> np.ndarray:
     return np.broadcast_to(picture, (*picture.shape[:2], 3))
 
 
+@one_blas_thread()
 def light_from_probe(
     picture: np.ndarray, *, suns: int = 1, rotation_deg: float = 0.0, exposure: float = 0.0
 ) -> Lighting:

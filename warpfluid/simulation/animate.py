@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 import warp as wp
 
+from warpfluid.device import one_blas_thread
 from warpfluid.kernels import vectors
 from warpfluid.kernels.fluid.totals import scale, total
 from warpfluid.metrics import psnr
@@ -88,6 +89,7 @@ class Animator:
             yield self._write(run, frame, steps, begin)
             last = frame
 
+    @one_blas_thread()
     def advance(self, frame: int, later: int, *, follows: bool = True) -> int:
         """Simulate from one frame to another; return how many solver steps were made."""
         options = self.animation.options
