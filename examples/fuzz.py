@@ -17,7 +17,6 @@ import queue
 import random
 import re
 import resource
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -28,7 +27,7 @@ import warnings
 from collections import Counter
 from pathlib import Path
 
-from fuzz_files import KINDS, damage
+from fuzz_files import KINDS
 
 PATIENCE = 20.0  # seconds for a file
 SLOW = 5.0  # processor seconds that are a finding
@@ -41,7 +40,7 @@ def input_of(kind: str, seed: int, number: int) -> tuple[str, bytes]:
     """Return the ending and the bytes of one damaged file."""
     chance = random.Random(f"{kind} {seed} {number}")
     ending, data = chance.choice(_sound(kind))
-    return ending, KINDS[kind].mend(damage(data, chance), chance)
+    return ending, KINDS[kind].harm(data, chance)
 
 
 def _sound(kind: str, cache={}) -> list[tuple[str, bytes]]:  # noqa: B006
@@ -79,6 +78,7 @@ def judge(kind: str, path: Path) -> str:
 def serve(kind: str, seed: int, first: int, folder: Path) -> None:
     """Read damaged files until killed; a line for each."""
     resource.setrlimit(resource.RLIMIT_AS, (ROOM, ROOM))
+    _sound(kind)
     warnings.simplefilter("error")
     for number in range(first, 10**9):
         ending, data = input_of(kind, seed, number)
@@ -130,7 +130,7 @@ def follow(kind: str, seed: int, first: int, folder: Path, keep: Path, counts: A
                 continue
             answer = line.removeprefix("end ").strip().strip("'\"") if line.startswith("end") else ""
             answer = answer or ("hang: no answer" if line else f"crash: exit code {child.wait()}")
-            note(answer, kind, seed, number, folder / name, keep, counts)
+            note(answer, kind, seed, number, keep, counts)
             number, name = number + 1, ""
             if not line.startswith("end"):
                 break
@@ -139,22 +139,18 @@ def follow(kind: str, seed: int, first: int, folder: Path, keep: Path, counts: A
     return number
 
 
-def note(answer: str, kind: str, seed: int, number: int, path: Path, keep: Path, counts: Answers) -> None:
+def note(answer: str, kind: str, seed: int, number: int, keep: Path, counts: Answers) -> None:
     """Count an answer; keep the file of a finding."""
     word = answer.split(":")[0]
     counts[word] += 1
-    kin = re.sub(r"\d+", "#", answer)
+    kin = " ".join(re.findall(r"line \d+, in \w+", answer)) or re.sub(r"\d+", "#", answer)[:60]
     counts.alike[kin] += 1
     if word in ("read", "refused") or counts.alike[kin] > ALIKE:
         return
     keep.mkdir(parents=True, exist_ok=True)
-    kept = keep / f"{kind}.{seed}.{number}.{word}{path.suffix}"
-    if path.is_file():
-        shutil.copyfile(path, kept)
-    else:
-        ending, data = input_of(kind, seed, number)
-        kept = kept.with_suffix(ending)
-        kept.write_bytes(data)
+    ending, data = input_of(kind, seed, number)
+    kept = keep / f"{kind}.{seed}.{number}.{word}{ending}"
+    kept.write_bytes(data)
     print(f"{kept}\n    {answer.encode().decode('unicode_escape', 'replace').strip()}", flush=True)
 
 

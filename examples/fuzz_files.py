@@ -6,7 +6,6 @@ import random
 import re
 import struct
 import tempfile
-import tomllib
 import zipfile
 import zlib
 from collections.abc import Callable
@@ -28,12 +27,12 @@ class Kind:
     Attributes:
         make: Returns sound files, each an ending and its bytes.
         read: Reads a file in every way that warpfluid does.
-        mend: Puts checksums right again after damage, so that it goes deep.
+        harm: Damages a file; where there are checksums it puts them right again, so that damage goes deep.
     """
 
     make: Callable[[], list[tuple[str, bytes]]]
     read: Callable[[Path], object]
-    mend: Callable[[bytes, random.Random], bytes] = lambda data, _: data
+    harm: Callable[[bytes, random.Random], bytes]
 
 
 # %%
@@ -138,10 +137,11 @@ def vdb_files():
     return made + [(ending, data[:35] + b"4" + data[36:]) for ending, data in made]
 
 
-def mend_vdb(data: bytes, chance: random.Random) -> bytes:
-    """Sign half of the files anew; take the signature from the others."""
+def harm_vdb(data: bytes, chance: random.Random) -> bytes:
+    """Sign half of the damaged files anew; take the signature from the others."""
     from warpfluid.files.vdb import layout
 
+    data = damage(data, chance)
     if chance.random() < 0.5:
         return data[: layout.ID.start] + layout.content_id(data) + data[layout.ID.stop :]
     return data[:35] + b"4" + data[36:]
@@ -204,17 +204,15 @@ def npz_files():
     )
 
 
-def mend_npz(data: bytes, chance: random.Random) -> bytes:
-    """Damage what is in the archive in half of the files, and pack it well again."""
-    try:
-        with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            members = {name: archive.read(name) for name in archive.namelist()}
-    except Exception:  # it is damaged already
-        return data
+def harm_npz(data: bytes, chance: random.Random) -> bytes:
+    """Damage the archive, or what is in it."""
+    if chance.random() < 0.3:
+        return damage(data, chance)
     out = io.BytesIO()
-    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, content in members.items():
-            archive.writestr(name, damage(content, chance) if chance.random() < 0.5 else content)
+    with zipfile.ZipFile(io.BytesIO(data)) as archive, zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as packed:
+        for name in archive.namelist():
+            content = archive.read(name)
+            packed.writestr(name, damage(content, chance) if chance.random() < 0.4 else content)
     return out.getvalue()
 
 
@@ -301,8 +299,9 @@ def image_files():
     return made
 
 
-def mend_png(data: bytes, chance: random.Random) -> bytes:
-    """Put the checksums of the chunks of a PNG right, in most of the files."""
+def harm_picture(data: bytes, chance: random.Random) -> bytes:
+    """Put the checksums of the chunks of most PNGs right after damage."""
+    data = damage(data, chance)
     if not data.startswith(PNG) or chance.random() < 0.2:
         return data
     out, at = bytearray(PNG), len(PNG)
@@ -425,24 +424,23 @@ def read_table(path: Path):
     return read_bodies(path)
 
 
-def checksummed_toml(data: bytes) -> dict:
-    """Return what a TOML file says, an empty table where it is none."""
-    try:
-        return tomllib.loads(data.decode())
-    except ValueError:
-        return {}
+def read_probe(path: Path):
+    """Read a light probe."""
+    from warpfluid.files.hdr import read_hdr
+
+    read_hdr(path)
 
 
 KINDS = {
-    "vdb": Kind(vdb_files, read_volumes, mend_vdb),
-    "blosc": Kind(blosc_files, read_block),
-    "nvdb": Kind(nvdb_files, read_volumes),
-    "npz": Kind(npz_files, read_volumes, mend_npz),
-    "vti": Kind(vti_files, read_volumes),
-    "exr": Kind(exr_files, read_footage),
-    "hdr": Kind(hdr_files, lambda path: __import__("warpfluid.files.hdr", fromlist=["read_hdr"]).read_hdr(path)),
-    "image": Kind(image_files, read_footage, mend_png),
-    "video": Kind(video_files, read_footage),
-    "mesh": Kind(mesh_files, read_shape),
-    "table": Kind(table_files, read_table),
+    "vdb": Kind(vdb_files, read_volumes, harm_vdb),
+    "blosc": Kind(blosc_files, read_block, damage),
+    "nvdb": Kind(nvdb_files, read_volumes, damage),
+    "npz": Kind(npz_files, read_volumes, harm_npz),
+    "vti": Kind(vti_files, read_volumes, damage),
+    "exr": Kind(exr_files, read_footage, damage),
+    "hdr": Kind(hdr_files, read_probe, damage),
+    "image": Kind(image_files, read_footage, harm_picture),
+    "video": Kind(video_files, read_footage, damage),
+    "mesh": Kind(mesh_files, read_shape, damage),
+    "table": Kind(table_files, read_table, damage),
 }

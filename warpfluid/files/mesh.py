@@ -1,5 +1,8 @@
 """Meshes of triangles: what stands or falls in a fluid."""
 
+import io
+import logging
+import re
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +15,7 @@ def read_mesh(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     """Read a mesh; larger faces are cut into triangles, repeated vertices are joined.
 
     Args:
-        path: An .obj, .stl or .ply file, y up.
+        path: An .obj, .stl or .ply file, y up. Materials and textures that it names are not looked for.
 
     Returns:
         Vertices, float32, shape (n, 3), components (x, y, z), in the file's unit; and triangles, int32, shape (m, 3).
@@ -25,49 +28,52 @@ def read_mesh(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     ending = path.suffix.lower()
     if ending not in MESH_SUFFIXES:
         raise ValueError(f"{path} ends in {ending!r}; a mesh is one of {', '.join(MESH_SUFFIXES)}")
-    with open(path, "rb") as file:
-        if not file.read(1):
-            raise ValueError(f"{path} is empty")
-    surface, damaged = _read_surface(path, ending)
-    vertices = np.array(surface.points, np.float32).reshape(-1, 3)
-    if damaged or not surface.n_points:
-        raise ValueError(f"{path} is no mesh, or damaged: export it anew")
+    data = path.read_bytes()
+    if not data:
+        raise ValueError(f"{path} is empty")
+    try:
+        vertices, triangles = _parse(data, ending)
+    except Exception as error:  # readers fail on damaged files in every way there is
+        raise ValueError(f"{path} is no mesh, or damaged: export it anew") from error
     if not np.isfinite(vertices).all():
         raise ValueError(f"{path} has vertices that are not finite numbers")
-    triangles = np.array(surface.triangulate().regular_faces, np.int32).reshape(-1, 3)
     vertices, triangles = _join(vertices, triangles)
     if not len(triangles):
         raise ValueError(f"{path} holds no triangles; export its surface, not only points or lines")
     return vertices, triangles
 
 
-def _read_surface(path: Path, ending: str):
-    """Return what is in a file, and whether it is damaged; the reader never raises."""
-    import pyvista
-    from vtkmodules.vtkCommonCore import vtkOutputWindow
+def _parse(data: bytes, ending: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return vertices, shape (n, 3), and triangles, shape (m, 3), as they are in a file."""
+    import trimesh
 
-    complaints = []
-    listener, before = vtkOutputWindow(), vtkOutputWindow.GetInstance()
-    listener.SetDisplayModeToNever()
-    listener.AddObserver("ErrorEvent", lambda _, name: complaints.append(name))
-    with pyvista.vtk_verbosity("off"):
-        vtkOutputWindow.SetInstance(listener)
-        try:
-            surface = pyvista.get_reader(str(path), force_ext=ending).read()
-        finally:
-            vtkOutputWindow.SetInstance(before)
-    corners = pyvista.convert_array(surface.GetPolys().GetConnectivityArray())
-    if corners.size and not 0 <= corners.min() <= corners.max() < surface.n_points:
-        complaints.append("corners")
-    return surface, bool(complaints)
+    logging.getLogger("trimesh").setLevel(logging.CRITICAL)  # its complaints become the one error of ours
+    if ending == ".stl" and not _is_whole_stl(data):
+        raise ValueError("it is cut off")
+    with np.errstate(all="ignore"):
+        found = trimesh.load_mesh(io.BytesIO(data), file_type=ending[1:], process=False, skip_materials=True)
+        vertices = np.array(found.vertices, np.float32).reshape(-1, 3)
+    triangles = np.array(getattr(found, "faces", ()), np.int64).reshape(-1, 3)  # points alone have none
+    if triangles.size and not 0 <= triangles.min() <= triangles.max() < len(vertices):
+        raise ValueError("its corners are not all there")
+    if not len(vertices) and not re.search(rb"^v\s", data, re.MULTILINE):  # of points alone nothing is read
+        raise ValueError("it has no corners")
+    return vertices, triangles.astype(np.int32)
+
+
+def _is_whole_stl(data: bytes) -> bool:
+    """Return whether a file has as many triangles as its head says, or as text its last line."""
+    return len(data) == 84 + 50 * int.from_bytes(data[80:84], "little") or b"endsolid" in data[-200:].lower()
 
 
 def _join(vertices: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Join vertices at one place; drop triangles that have lost a corner, and vertices that nothing names."""
     if not len(triangles):
         return vertices, triangles
-    size = np.ptp(vertices, axis=0).max()
-    cells = np.rint((vertices - vertices.min(axis=0)) / max(NEAR * size, np.finfo(np.float32).tiny)).astype(np.int64)
+    size = np.ptp(vertices.astype(np.float64), axis=0).max()
+    cells = np.rint(
+        (vertices - vertices.min(axis=0).astype(np.float64)) / max(NEAR * size, np.finfo(np.float32).tiny)
+    ).astype(np.int64)
     _, first, place = np.unique(cells, axis=0, return_index=True, return_inverse=True)
     triangles = first[place.reshape(-1)[triangles]]
     a, b, c = triangles.T

@@ -6,36 +6,21 @@ lies, three numbers.
 """
 
 import io
-import struct
-import tokenize
+import math
+import os
 import zipfile
-import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 
 from warpfluid.files.atomic import replacing
 from warpfluid.files.grids import GridFacts, GridFile
+from warpfluid.files.limits import check_promise
 
 DENSITY, ORIGIN = "density", "origin"
 SMALL = 4096  # bytes of an array that may be a fact
-
-# What zipfile and NumPy raise for a file that is no archive, or a damaged one.
-DAMAGE = (
-    zipfile.BadZipFile,
-    zlib.error,
-    struct.error,
-    EOFError,
-    SyntaxError,
-    tokenize.TokenError,
-    KeyError,
-    MemoryError,
-    OSError,
-    RuntimeError,
-    ValueError,
-)
 
 
 def write_npz(path: str | Path, density: np.ndarray, **metadata: float | int | str | bool) -> None:
@@ -115,7 +100,7 @@ def read_npz(path: str | Path) -> tuple[np.ndarray, dict[str, float | int | str 
         ValueError: If this is no such file, or it is damaged.
         OSError: If the file cannot be read.
     """
-    arrays = _opened(path)
+    arrays = _opened(path, _arrays)
     if DENSITY not in arrays:
         found = ", ".join(arrays) or "nothing"
         raise ValueError(f"{path}: no key {DENSITY!r}, only {found}; save the volume under that key")
@@ -132,23 +117,18 @@ def read_npz_grids(path: str | Path) -> GridFile:
         ValueError: If this is no such file, it is damaged, or there is no grid.
         OSError: If the file cannot be read.
     """
-    arrays = _opened(path)
+    arrays = _opened(path, _arrays)
     grids = {name: array for name, array in arrays.items() if array.ndim >= 3 and array.dtype.kind in "fiub"}
     grids = {name: _volume(path, name, array) for name, array in grids.items()}
     if not grids or len({grid.shape[:3] for grid in grids.values()}) > 1:
         found = ", ".join(f"{name} {array.shape}" for name, array in arrays.items()) or "nothing"
         raise ValueError(f"{path}: no volumes of one size, only {found}; save shape (x, y, z) under 'density'")
-    facts, origin = _facts(arrays), np.asarray(arrays.get(ORIGIN, (0.0, 0.0, 0.0)))
-    if origin.shape != (3,) or origin.dtype.kind not in "fiu":
-        raise ValueError(f"{path}: origin is {origin.tolist()}; it must be three numbers")
-    size = facts.get("voxel_size", 1.0)
-    if not (isinstance(size, int | float) and np.isfinite([size, *origin]).all() and size > 0):
-        raise ValueError(f"{path}: voxel_size is {size!r}; it must be a positive number")
+    size, origin = _place(path, arrays)
     return GridFile(
         grids=grids,
-        voxel_size=float(size),
-        origin=tuple(origin.astype(float).tolist()),
-        metadata=facts | ({ORIGIN: tuple(origin.tolist())} if ORIGIN in arrays else {}),
+        voxel_size=size,
+        origin=origin,
+        metadata=_facts(arrays) | ({ORIGIN: origin} if ORIGIN in arrays else {}),
     )
 
 
@@ -161,12 +141,8 @@ def npz_facts(path: str | Path) -> list[GridFacts]:
         ValueError: If this is no such file, or it is damaged.
         OSError: If the file cannot be read.
     """
-    with open(path, "rb") as file:
-        try:
-            arrays, shapes = _heads(file)
-        except DAMAGE as error:
-            raise ValueError(f"{path}: this is no .npz file of plain arrays, or it is damaged: {error}") from error
-    size, origin = float(_facts(arrays).get("voxel_size", 1.0)), arrays.get(ORIGIN, np.zeros(3))
+    arrays, shapes = _opened(path, _heads)
+    size, origin = _place(path, arrays)
     found = []
     for name, (shape, dtype) in shapes.items():
         shape = shape[1:] if len(shape) == 4 and shape[0] == 1 else shape
@@ -179,7 +155,7 @@ def npz_facts(path: str | Path) -> list[GridFacts]:
                 kind="float" if len(shape) == 3 else "vec3s" if shape[3] == 3 else f"{shape[3]} numbers",
                 half=dtype == np.float16,
                 voxel_size=size,
-                shift=tuple(np.asarray(origin, float).ravel()[:3].tolist()),
+                shift=origin,
                 box=box,
                 whole=box,
                 active=None,
@@ -190,12 +166,22 @@ def npz_facts(path: str | Path) -> list[GridFacts]:
     return found
 
 
-def _opened(path: str | Path) -> dict[str, np.ndarray]:
+def _opened(path: str | Path, read: Callable[[BinaryIO], Any]) -> Any:
     with open(path, "rb") as file:
         try:
-            return _arrays(file)
-        except DAMAGE as error:
+            return read(file)
+        except Exception as error:  # zipfile and NumPy fail on damaged files in every way there is
             raise ValueError(f"{path}: this is no .npz file of plain arrays, or it is damaged: {error}") from error
+
+
+def _place(path: str | Path, arrays: Mapping[str, np.ndarray]) -> tuple[float, tuple[float, ...]]:
+    """Return the voxel size and where the first voxel lies, as the file tells or by default."""
+    size, origin = _facts(arrays).get("voxel_size", 1.0), np.asarray(arrays.get(ORIGIN, (0.0, 0.0, 0.0)))
+    if origin.shape != (3,) or origin.dtype.kind not in "fiu" or not np.isfinite(origin).all():
+        raise ValueError(f"{path}: origin is {str(origin.tolist())[:80]}; it must be three numbers")
+    if not (isinstance(size, int | float) and np.isfinite(size) and size > 0):
+        raise ValueError(f"{path}: voxel_size is {str(size)[:80]}; it must be a positive number")
+    return float(size), tuple(origin.astype(float).tolist())
 
 
 def _volume(path: str | Path, name: str, array: np.ndarray) -> np.ndarray:
@@ -204,7 +190,8 @@ def _volume(path: str | Path, name: str, array: np.ndarray) -> np.ndarray:
     vectors = name != DENSITY and volume.ndim == 4 and volume.shape[3] == 3
     if (volume.ndim != 3 and not vectors) or volume.dtype.kind not in "fiub":
         raise ValueError(f"{path}: {name} is {array.dtype} of shape {array.shape}; it must be (x, y, z)")
-    return np.ascontiguousarray(volume, np.float32)
+    with np.errstate(over="ignore"):
+        return np.ascontiguousarray(volume, np.float32)
 
 
 def _facts(arrays: Mapping[str, np.ndarray]) -> dict[str, float | int | str | bool]:
@@ -213,24 +200,47 @@ def _facts(arrays: Mapping[str, np.ndarray]) -> dict[str, float | int | str | bo
 
 def _arrays(file: BinaryIO) -> dict[str, np.ndarray]:
     """Return a file's arrays; unlike ``np.load``, check each against its checksum before using its header."""
-    with zipfile.ZipFile(file) as archive:
-        members = {name.removesuffix(".npy"): archive.read(name) for name in archive.namelist()}
-    return {name: np.lib.format.read_array(io.BytesIO(data)) for name, data in members.items()}
+    with _archive(file) as archive:
+        return {_name(info): _array(archive.read(info)) for info in archive.infolist()}
 
 
 def _heads(file: BinaryIO) -> tuple[dict[str, np.ndarray], dict[str, tuple]]:
     """Return a file's small arrays, and the shape and type of the others."""
     arrays, shapes = {}, {}
-    with zipfile.ZipFile(file) as archive:
+    with _archive(file) as archive:
         for info in archive.infolist():
-            name = info.filename.removesuffix(".npy")
             if info.file_size <= SMALL:
-                arrays[name] = np.lib.format.read_array(io.BytesIO(archive.read(info)))
-                shapes[name] = arrays[name].shape, arrays[name].dtype
+                array = arrays[_name(info)] = _array(archive.read(info))
+                shapes[_name(info)] = array.shape, array.dtype
                 continue
             with archive.open(info) as member:
-                version = np.lib.format.read_magic(member)
-                read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-                shape, _, dtype = read(member)
-            shapes[name] = shape, dtype
+                shapes[_name(info)] = _head(member, info.file_size)
     return arrays, shapes
+
+
+def _archive(file: BinaryIO) -> zipfile.ZipFile:
+    """Return an open archive that is packed in the usual way and opens to no more than it can hold."""
+    archive = zipfile.ZipFile(file)
+    if any(info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED) for info in archive.infolist()):
+        raise ValueError("it is packed in another way than np.savez packs")
+    check_promise(sum(info.file_size for info in archive.infolist()), os.fstat(file.fileno()).st_size)
+    return archive
+
+
+def _name(info: zipfile.ZipInfo) -> str:
+    return info.filename.removesuffix(".npy")
+
+
+def _array(data: bytes) -> np.ndarray:
+    _head(io.BytesIO(data), len(data))
+    return np.lib.format.read_array(io.BytesIO(data), allow_pickle=False)
+
+
+def _head(member: BinaryIO, size: int) -> tuple[tuple[int, ...], np.dtype]:
+    """Return the shape and type of an array; they must agree with its size in bytes, head and all."""
+    version = np.lib.format.read_magic(member)
+    read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    shape, _, dtype = read(member)
+    if dtype.hasobject or math.prod(shape) * dtype.itemsize != size - member.tell():
+        raise ValueError(f"an array of {dtype} and shape {shape} does not have {size} bytes")
+    return shape, dtype

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from warpfluid.files.grids import GridFacts, GridFile
+from warpfluid.files.limits import EMPTY
 from warpfluid.footage.sources import file_hash, parse_view
 from warpfluid.options import OutputOptions
 from warpfluid.run import SETTINGS, Run
@@ -234,5 +235,6 @@ def _common(files: dict[int, Path], facts: dict[int, list[GridFacts]], density: 
         boxes = [other.whole for other in fit if other.whole is not None]
         whole = np.array([np.min(boxes, 0)[0], np.max(boxes, 0)[1]]) if boxes else None
         parts[path] = lattice_of(grid, whole, up)
-    found = join(parts)
+    own = any(grid.up for grids in facts.values() for grid in grids)  # an empty frame of ours keeps its box
+    found = join(parts, free=EMPTY) if own else join(parts)
     return found or (Lattice(1.0, (0.0, 0.0, 0.0), (1, 1, 1)) if parts else None)

@@ -78,7 +78,8 @@ def from_file_axes(array: np.ndarray, up: str) -> np.ndarray:
         return array
     if array.ndim == 4:
         array = array[..., [0, 2, 1]]
-        array[..., 2] = 0 - array[..., 2]
+        with np.errstate(invalid="ignore"):  # the values may be anything
+            array[..., 2] = 0 - array[..., 2]
     return np.swapaxes(array[:, ::-1], 1, 2)
 
 
