@@ -229,7 +229,10 @@ def test_the_source_is_never_written_over(tmp_path, fire, capsys):
     [
         ([], "there is nothing to simulate: name a run or volumes, a --preset, or an --emitter"),
         (["--size", "12x16"], "there is nothing to simulate"),
-        (["--preset", "steam"], "preset is 'steam', expected one of explosion, fire, smoke, splash"),
+        (
+            ["--preset", "steam"],
+            'Invalid value "steam" for --preset. Choose from: "explosion", "fire", "smoke", "splash".',
+        ),
         (["--preset", "fire", "--size", "big"], "size is 'big', expected WIDTHxHEIGHT of at least 8, such as 96x144"),
         (["--preset", "fire", "--size", "4x4"], "size is '4x4', expected WIDTHxHEIGHT of at least 8"),
         (["--preset", "fire", "--swirl", "9:1;1:2"], "swirl is '9:1;1:2', expected a number, or keys such as"),

@@ -34,7 +34,7 @@ def reconstruct(
     if cluster:  # whose workers are in other folders
         settings = dataclasses.replace(settings, views=tuple(settings.to_dict()["views"]))
         out, debug_dir = out.absolute(), debug_dir and debug_dir.absolute()
-    log, run, problems = Progress(quiet=common.quiet), Run(out), Problems()
+    log, run, problems = Progress(quiet=common.quiet, verbose=common.verbose), Run(out), Problems()
     problems.attempt(lambda: run.check_free(resume=resume, overwrite=overwrite))
     asked = problems.attempt(lambda: Asked(jobs=jobs, device=common.device, cluster=cluster))
     device = problems.attempt(pick_device, common.device)
@@ -67,7 +67,7 @@ def inspect(settings: Settings, picture: Path | None, common) -> int:
     inspection = inspect_shot(shot, settings.reconstruct)
     if picture:
         write_views_picture(picture, shot.views(shot.frames[len(shot.frames) // 2]))
-        Progress(quiet=common.quiet).line(f"picture {picture}")
+        Progress(quiet=common.quiet, verbose=common.verbose).line(f"picture {picture}")
     print(json.dumps(inspection.to_dict(), indent=2) if common.json else "\n".join(inspection.lines()))
     return 0
 

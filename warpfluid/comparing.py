@@ -44,7 +44,7 @@ def compare(names: Sequence[str], truth: str | None, options: CompareOptions, ou
     """Compare runs or volumes; return the exit code."""
     from warpfluid.device import pick_device
 
-    log, problems = Progress(quiet=common.quiet), Problems()
+    log, problems = Progress(quiet=common.quiet, verbose=common.verbose), Problems()
     problems.extend(_wrong_outs(outs))
     angles = problems.attempt(_angles, options.scored_angles)
     device = problems.attempt(pick_device, common.device)

@@ -37,6 +37,7 @@ def do_all(jobs: Mapping[str, Callable[[], object]], log: Progress) -> dict[str,
             job()
         except (ValueError, OSError) as error:
             failed[name] = describe(error)
+            log.stack()
     return failed
 
 

@@ -68,7 +68,7 @@ def render(
     """Make pictures or a film of volumes; return the exit code."""
     from warpfluid.device import pick_device
 
-    log, problems = Progress(quiet=common.quiet), Problems()
+    log, problems = Progress(quiet=common.quiet, verbose=common.verbose), Problems()
     if cluster:  # whose workers are in other folders
         source, out = os.path.abspath(os.path.expanduser(source)), out.absolute()
         camera = replace(camera, camera=os.path.abspath(camera.camera)) if camera.camera else camera
@@ -195,6 +195,7 @@ def _note(work: Work, shot: Shot, outcome: dict) -> bool:
     """Record what came of a picture, and say it; return whether it is made."""
     if "error" in outcome:
         work.failed[f"picture {shot.number}"] = outcome["error"]
+        work.log.stack(outcome.get("stack"))
         return False
     work.made.append(outcome)
     work.log.line(f"picture {shot.number}  frame {shot.frame}, {outcome['seconds']:.1f} s, {outcome['file']}")

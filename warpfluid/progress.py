@@ -1,6 +1,8 @@
 """What a run says while it works, on stderr: a bar on a terminal, a line a frame elsewhere."""
 
+import sys
 import time
+import traceback
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 
@@ -16,14 +18,23 @@ class Progress:
 
     Args:
         quiet: Say nothing.
+        verbose: Say when, in seconds since the begin, and show failures whole.
     """
 
-    def __init__(self, *, quiet: bool = False):
+    def __init__(self, *, quiet: bool = False, verbose: bool = False):
         self._console = Console(stderr=True, quiet=quiet, highlight=False, soft_wrap=True)
+        self._verbose, self._begin = verbose, time.perf_counter()
 
     def line(self, text: str) -> None:
         """Say one line."""
-        self._console.print(text, markup=False)
+        when = f"{time.perf_counter() - self._begin:8.2f} s  " if self._verbose else ""
+        self._console.print(f"{when}{text}", markup=False)
+
+    def stack(self, text: str | None = None) -> None:
+        """Show, if that is wanted, where in the program something failed: in this process just now, or as a text."""
+        text = text or (traceback.format_exc() if sys.exc_info()[0] else "")
+        if self._verbose and text:
+            self._console.print(text.rstrip(), markup=False)
 
     def notes(self, texts: Iterable[str]) -> None:
         """Say what the user should know, a line each."""
@@ -43,6 +54,11 @@ class Progress:
         with Bar(*columns, console=self._console, transient=True, disable=not show) as bar:
             task = bar.add_task("frames", total=max(len(frames) * max(iterations, 1), 1))
             yield FrameBar(self, bar, task, list(frames), max(iterations, 1))
+
+
+def say_left(seconds: float) -> str:
+    """Return the end of a line that says how long what is left will take; nothing where nothing is left."""
+    return f", {format_duration(seconds)} left" if seconds else ""
 
 
 class FrameBar:
@@ -68,14 +84,13 @@ class FrameBar:
         self._show()
         if "error" in record:
             self._progress.line(f"frame   {record['frame']} failed: {record['error']}")
+            self._progress.stack(record.get("stack"))
             return
         energies = record["energies"]
         falls = f"energy {energies[0][0]:.3g} -> {energies[-1][-1]:.3g}, " if energies else ""
         exact = min(record["input_psnr"])
-        self._progress.line(
-            f"frame   {record['frame']}  {record['seconds']:.1f} s, {falls}inputs {exact:.1f} dB, "
-            f"{record['file']}" + (f", {format_duration(left)} left" if left else "")
-        )
+        took = f"{record['seconds']:.1f} s, {falls}inputs {exact:.1f} dB"
+        self._progress.line(f"frame   {record['frame']}  {took}, {record['file']}{say_left(left)}")
 
     def _show(self, **what) -> None:
         done = self._count * self._iterations + sum(self._under_way.values())

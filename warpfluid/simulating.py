@@ -12,7 +12,7 @@ from warpfluid.files.sequences import parse_frames
 from warpfluid.options import USUAL_SIZE
 from warpfluid.outcome import conclude, do_all
 from warpfluid.presets import preset_names, preset_settings
-from warpfluid.progress import Progress
+from warpfluid.progress import Progress, say_left
 from warpfluid.run import FILM, PAGE, SETTINGS, Run
 from warpfluid.settings import SimulateSettings, make_simulate_settings
 from warpfluid.simulation.source import Source, empty_box, fill_box
@@ -48,7 +48,7 @@ def simulate(
     """Simulate into a folder; return the exit code."""
     from warpfluid.device import pick_device
 
-    log, run, problems = Progress(quiet=common.quiet), Run(out), Problems()
+    log, run, problems = Progress(quiet=common.quiet, verbose=common.verbose), Run(out), Problems()
     _check_other(asked.source, out)
     problems.attempt(lambda: run.check_free(resume=resume, overwrite=overwrite))
     device = problems.attempt(pick_device, common.device)
@@ -172,15 +172,19 @@ def _animate(run: Run, settings: SimulateSettings, source: Source, frames, devic
     animation = Animation(
         source=source, options=settings.simulate, scene=settings.scene, output=settings.output, device=device
     )
+    took = []
     try:
         for record in Animator(animation, frames).run(run, resume=resume):
+            took.append(record["seconds"])
+            left = sum(took) / len(took) * sum(frame > record["frame"] for frame in frames)
             exact = f", views {min(record['input_psnr']):.1f} dB" if "input_psnr" in record else ""
-            took = f"{record['seconds']:.1f} s, {record['steps']} steps{exact}"
-            log.line(f"frame   {record['frame']}  {took}, {record['file']}")
+            made = f"{record['seconds']:.1f} s, {record['steps']} steps{exact}, {record['file']}"
+            log.line(f"frame   {record['frame']}  {made}{say_left(left)}")
     except KeyboardInterrupt as stop:
         there = f"stopped after {len(run.records())} of {len(frames)} frames"
         raise KeyboardInterrupt(f"{there}; to continue: warpfluid simulate -o {run.folder} --resume") from stop
     except (ValueError, OSError) as error:
+        log.stack()
         return {"simulation": describe(error)}
     return {}
 

@@ -51,7 +51,7 @@ def test_workers(tmp_path):
         pids = pool.pids
     outcomes = dict(ended)
     assert len(ended) == len(tasks)
-    assert outcomes["raise",] == {"error": "as told"}
+    assert outcomes["raise",]["error"] == "as told"
     assert outcomes["always die",]["error"].startswith("its worker process was killed by signal 9 (out of memory?), 3")
     good = [outcome for task, outcome in ended if task[0] in ("tell", "die")]
     assert {(outcome["threads"], outcome["blas"]) for outcome in good} == {("1", "1")}

@@ -86,7 +86,7 @@ def test_an_error_that_says_stop():
     with Here(job, "cpu", None) as pool:
         ended = list(spread(map(single, range(5)), pool))
     assert [task for task, _ in ended] == [0, 1, 2]
-    assert ended[0][1] == {"error": "KeyError: 'luck'"}
+    assert ended[0][1]["error"] == "KeyError: 'luck'"
     assert ended[2][1] == {"error": "/full: no space left on device", "stop": True}
 
 

@@ -43,8 +43,12 @@ def main(arguments: list[str] | None = None) -> int:
         arguments: What follows ``warpfluid``; of the command line when omitted.
     """
     arguments = sys.argv[1:] if arguments is None else arguments
+    verbose = bool({"-v", "--verbose"} & set(arguments))
     try:
-        return app(arguments, exit_on_error=False, print_error=False, result_action="return_value") or 0
+        command, bound, _ = app.parse_args(arguments, exit_on_error=False, print_error=False)
+        if verbose and not getattr(bound.arguments.get("common"), "quiet", True):
+            print(_versions(), file=sys.stderr)
+        return command(*bound.args, **bound.kwargs) or 0
     except KeyboardInterrupt as stop:
         print(str(stop) or "stopped", file=sys.stderr)
         return 130
@@ -54,11 +58,18 @@ def main(arguments: list[str] | None = None) -> int:
     except cyclopts.CycloptsError as error:
         return _fail(_usage(error), 2)
     except Exception as error:
-        if {"-v", "--verbose"} & set(arguments):
+        if verbose:
             traceback.print_exc()
         if isinstance(error, ValueError | OSError | MemoryError):
             return _fail(describe(error), 2)
         return _fail(f"{describe(error)}: a fault of warpfluid; please report it with what -v prints", 1)
+
+
+def _versions() -> str:
+    """Return the versions of what takes part, in a line."""
+    from warpfluid.run import versions
+
+    return ", ".join(f"{name} {number}" for name, number in versions().items())
 
 
 def _fail(message: str, code: int) -> int:

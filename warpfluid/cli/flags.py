@@ -121,9 +121,11 @@ class Common:
     """What most commands take."""
 
     device: DeviceFlag = None
-    json: Annotated[bool, Parameter(negative=(), help="Print the result as one JSON document")] = False
+    json: Annotated[bool, Parameter(negative=(), help="Print the result as one JSON object")] = False
     quiet: Annotated[bool, Parameter(name=["--quiet", "-q"], negative=(), help="Print nothing but the result")] = False
-    verbose: Annotated[bool, Parameter(name=["--verbose", "-v"], negative=(), help="Show errors whole")] = False
+    verbose: Annotated[
+        bool, Parameter(name=["--verbose", "-v"], negative=(), help="Say versions and times, and show errors whole")
+    ] = False
 
 
 COMMON = Common()

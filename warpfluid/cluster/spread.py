@@ -4,6 +4,7 @@ A chain is a generator of tasks: it yields one, is sent what came of it, and yie
 each other keep their order, and chains run side by side. What a task makes does not depend on who does it or when.
 """
 
+import traceback
 from collections import deque
 from collections.abc import Callable, Generator, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -90,7 +91,7 @@ def attempt(job: Job, task: Any, device, progress: Callable[..., None]) -> dict:
     except CannotWriteError as error:
         return {"error": describe(error), "stop": True}
     except Exception as error:  # one task must not end the others, whichever library gave up
-        return {"error": describe(error)}
+        return {"error": describe(error), "stack": traceback.format_exc()}
 
 
 def _follow(chain: Chain, outcome: dict):

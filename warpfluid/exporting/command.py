@@ -32,7 +32,7 @@ def export(source: str, out: Path, options: ExportOptions, *, resume: bool, over
         ValueError: If anything that is asked for is wrong.
         OSError: If the source cannot be read or the folder not written.
     """
-    log = Progress(quiet=common.quiet)
+    log = Progress(quiet=common.quiet, verbose=common.verbose)
     sequence = open_volumes(source, grid=options.grid, up=options.source_up, unchecked=True)
     frames = _wanted(sequence, options)
     lit = lit_box(sequence) if options.crop else None
@@ -105,6 +105,7 @@ def _export_frames(
             except (ValueError, OSError) as error:
                 failed[f"frame {frame}"] = describe(error)
                 log.line(f"frame   {frame} failed: {describe(error)}")
+                log.stack()
     except KeyboardInterrupt as stop:
         done = len(record.content["frames"])
         raise KeyboardInterrupt(f"stopped, {done} frames are there; the same command with --resume goes on") from stop

@@ -16,7 +16,7 @@ INSTALL = "apt install libegl1 libgl1-mesa-dri, or a graphics driver"
 
 def preview(source: str, options: PreviewOptions, *, html: Path | None, screenshot: Path | None, common) -> int:
     """Show volumes in a window, a page or a picture; return the exit code."""
-    log = Progress(quiet=common.quiet)
+    log = Progress(quiet=common.quiet, verbose=common.verbose)
     for path, endings in ((html, (".html", ".htm")), (screenshot, (".png",))):
         _check_path(path, endings)
     scene = open_scene(source, options)
