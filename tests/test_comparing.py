@@ -88,10 +88,23 @@ def test_the_footage_is_found(made, fire, tmp_path, capsys):
     assert data["floors"] == ["footage, other view", "footage, other frame"]
     assert data["values"]["run"]["input_psnr"] > 25
     assert data["values"]["sim"].keys() == data["values"]["run"].keys()
+    assert data["edited"] == []
     assert run("compare", sim, made["soft"], *FEW, "--json") == 0
     data = json.loads(capsys.readouterr().out)
     assert data["against"] == "footage"
     assert data["values"]["soft"]["total"] == pytest.approx(1, abs=0.02)
+
+
+def test_an_edit_is_not_ranked(fire, made, tmp_path, capsys):
+    """Beside footage that it is not meant to be; a truth is meant."""
+    windy = tmp_path / "windy"
+    assert run("simulate", fire, "--wind", "2,0,0", *BARE, *PLAIN, "-o", windy) == 0
+    assert run("compare", fire, windy, *FEW) == 0
+    text = capsys.readouterr().out
+    assert "windy: edited, so not meant to be the footage; no number is marked as the best" in text
+    assert " > " not in text
+    assert run("compare", fire, windy, "--truth", made["truth"], *FEW) == 0
+    assert " > " in capsys.readouterr().out
 
 
 def test_footage_that_is_gone(fire, made, tmp_path, capsys):
@@ -135,7 +148,7 @@ def test_what_cannot_be_compared(made, tmp_path, refused):
     slim = write(tmp_path / "slim", lambda frame: plume(frame)[8:-8, 8:-8])
     later = write(tmp_path / "later", plume, [7])
     assert "nothing to compare it with: name another run, or the truth with --truth" in refused(made["soft"])
-    assert f"unlike sizes (small 16 x {HEIGHT} x 16, soft {WIDTH} x {HEIGHT}" in refused(small, made["soft"])
+    assert f"unlike boxes (small 16 x {HEIGHT} x 16, soft {WIDTH} x {HEIGHT}" in refused(small, made["soft"])
     assert "no frame in common (soft has 1-4, later has 7)" in refused(made["soft"], later)
     assert "frame 9 is not in all of them" in refused(made["soft"], made["half"], "--frames", "9")
     assert "the numbers need at least 25 a side" in refused(small, slim)

@@ -191,9 +191,11 @@ def _animate(run: Run, settings: SimulateSettings, source: Source, frames, devic
 
 def _summarize(run: Run, settings: SimulateSettings, source: Source, device, log: Progress) -> dict[str, str]:
     """Write the turntable and the report of what is finished; return what failed."""
+    from warpfluid.report.course import departure
     from warpfluid.report.film import write_film
     from warpfluid.report.of_simulation import report_simulation
 
+    log.notes(departure(run.records(), settings))
     jobs, look, scale = {}, settings.output.look, source.volumes.scale
     if settings.output.turntable:
         jobs[FILM] = lambda: write_film(run, look, run.folder / FILM, scale=scale)

@@ -34,6 +34,7 @@ class Comparison:
         values: Means by name and metric, in the order of the table.
         floors: The names of values that are floors.
         yardstick: The floor that others are told as multiples of; None for none.
+        edited: The names of those that are not meant to be the footage.
         notes: Sentences on what was decided.
     """
 
@@ -45,7 +46,13 @@ class Comparison:
     values: dict[str, Numbers]
     floors: tuple[str, ...] = ()
     yardstick: str | None = None
+    edited: tuple[str, ...] = ()
     notes: tuple[str, ...] = field(default_factory=tuple)
+
+    @property
+    def ranks(self) -> bool:
+        """Whether the nearest is the best: footage says nothing of how well it was edited."""
+        return not (self.against == "footage" and self.edited)
 
     def to_dict(self) -> dict:
         """Return everything as plain numbers, strings, lists and dictionaries."""
@@ -96,6 +103,7 @@ def compare_entries(
         values=values,
         floors=floors,
         yardstick=yardstick,
+        edited=tuple(entry.name for entry in entries if entry.edited),
     )
 
 

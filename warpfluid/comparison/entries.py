@@ -9,6 +9,8 @@ import numpy as np
 from warpfluid.errors import Problems
 from warpfluid.files.sequences import format_frames
 from warpfluid.footage.origin import find_origin
+from warpfluid.settings import make_simulate_settings
+from warpfluid.simulation.animation import is_edited
 from warpfluid.volumes import VolumeSequence
 
 
@@ -30,6 +32,19 @@ class Entry:
     def foreign(self) -> bool:
         """Whether it began in another program, whose unit of density is not known."""
         return find_origin(self.volumes.document) is None
+
+    @property
+    def edited(self) -> bool:
+        """Whether an artist added something, so that it is not meant to be the footage any more.
+
+        Raises:
+            ValueError: If its settings are damaged.
+        """
+        document = self.volumes.document or {}
+        if "simulate" not in document:
+            return False
+        settings = make_simulate_settings(None, None, None, {}, document=document)
+        return is_edited(settings.simulate, settings.scene)
 
     def volume(self, frame: int) -> np.ndarray:
         """Return the density of a frame in grey levels, shape (x, z, y).
@@ -66,7 +81,10 @@ def make_entries(sequences: Sequence[VolumeSequence]) -> list[Entry]:
     entries = [Entry(name=n, volumes=s, shape=z) for n, s, z in zip(names, sequences, sizes, strict=True)]
     if len(set(sizes)) > 1:
         found = ", ".join(f"{e.name} {e.shape[0]} x {e.shape[2]} x {e.shape[1]}" for e in entries)
-        raise ValueError(f"the volumes have unlike sizes ({found}): make them at one --resolution")
+        raise ValueError(
+            f"the volumes have unlike boxes ({found} voxels): reconstruct at one --resolution, "
+            "simulate with one --resolution-scale and --detail, export without --crop"
+        )
     return entries
 
 

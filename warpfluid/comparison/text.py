@@ -38,7 +38,7 @@ def best_of(comparison: Comparison, metric: Metric) -> tuple[str, ...]:
         if metric.name in numbers and name not in comparison.floors
     }
     shown = {name: number(metric, value) for name, value in values.items()}
-    if not metric.ranks or len(set(shown.values())) < 2:
+    if not (metric.ranks and comparison.ranks) or len(set(shown.values())) < 2:
         return ()
     best = min(values, key=lambda name: metric.badness(values[name]))
     return tuple(name for name in shown if shown[name] == shown[best])
@@ -80,7 +80,10 @@ def _facts(comparison: Comparison) -> list[str]:
 def _notes(comparison: Comparison) -> list[str]:
     """Return how to read the table."""
     lines = [f"note    {note}" for note in comparison.notes]
-    if len(comparison.values) - len(comparison.floors) > 1:
+    if not comparison.ranks:
+        edited = ", ".join(comparison.edited)
+        lines.append(f"note    {edited}: edited, so not meant to be the footage; no number is marked as the best")
+    elif len(comparison.values) - len(comparison.floors) > 1:
         lines.append("note    > marks the best; what stands in brackets ranks nothing")
     if comparison.yardstick:
         lines.append(

@@ -5,6 +5,8 @@ from collections.abc import Mapping, Sequence
 from warpfluid.options import SimulateOptions
 from warpfluid.report.data import SeriesReport
 from warpfluid.report.fields import speed_of
+from warpfluid.settings import SimulateSettings
+from warpfluid.simulation.animation import fidelity_at, is_edited
 from warpfluid.simulation.source import Source
 from warpfluid.volumes import VolumeSequence
 
@@ -51,6 +53,19 @@ def check(records: Mapping[int, dict], source: Source) -> list[str]:
     if exact:
         lines.append(f"The views of the source come back with at least {min(exact):.1f} dB.")
     return lines
+
+
+def departure(records: Mapping[int, dict], settings: SimulateSettings) -> list[str]:
+    """Return how far an edit has gone from the volumes that are followed; nothing where nothing is edited."""
+    followed = {frame: record["elsewhere"] for frame, record in records.items() if "elsewhere" in record}
+    if len(followed) < 2 or not is_edited(settings.simulate, settings.scene):
+        return []
+    last = max(followed)
+    fidelity = fidelity_at(settings.simulate, settings.scene, last)
+    return [
+        f"At frame {last} {followed[last]:.0%} of the light is elsewhere than in the source; "
+        f"fidelity is {fidelity:g}: less lets the edit go farther, more keeps to the footage."
+    ]
 
 
 def warnings(records: Mapping[int, dict], options: SimulateOptions) -> list[str]:

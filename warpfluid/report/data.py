@@ -80,6 +80,7 @@ class ReportData:
         frames: Some frames, about six at most for a page that opens quickly.
         metrics: Means over all frames, as in a frame.
         metrics_note: What they are measured against.
+        ranked: Mark the best numbers.
         yardsticks: Names in the metrics that are no methods but floors; distances are told as multiples of the first.
         series: Numbers over the frames.
         facts: Tables by heading, rows of the same columns.
@@ -101,6 +102,7 @@ class ReportData:
     frames: Sequence[FrameReport] = ()
     metrics: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     metrics_note: str = ""
+    ranked: bool = True
     yardsticks: Sequence[str] = ()
     series: Sequence[SeriesReport] = ()
     facts: Mapping[str, Sequence[Mapping[str, object]]] = field(default_factory=dict)

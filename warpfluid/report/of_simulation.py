@@ -17,7 +17,7 @@ from warpfluid.options import SimulateOptions
 from warpfluid.projector import Projector
 from warpfluid.rendering.turntable import render_turntable
 from warpfluid.report import pieces
-from warpfluid.report.course import OURS, SOURCE, check, course, speeds, warnings
+from warpfluid.report.course import OURS, SOURCE, check, course, departure, speeds, warnings
 from warpfluid.report.data import FrameReport, InputReport, ReportData
 from warpfluid.report.fields import field_pictures
 from warpfluid.report.film import surfaces_in
@@ -25,6 +25,7 @@ from warpfluid.report.page import write_report
 from warpfluid.report.scene import body_rows, scene_rows
 from warpfluid.run import PAGE, Run
 from warpfluid.settings import SimulateSettings
+from warpfluid.simulation.animation import is_edited
 from warpfluid.simulation.outlines import Outlines
 from warpfluid.simulation.source import Source
 from warpfluid.volumes import VolumeSequence, open_volumes
@@ -33,6 +34,7 @@ AGAINST = (
     "Unseen views, half-way between those of the footage, against the footage, as distributions. "
     "Views of one fluid differ, too: the floors are views of the footage against each other."
 )
+EDITED = " An edit is not meant to be the footage, so no number is marked as the best."
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -75,6 +77,7 @@ def report_simulation(run: Run, settings: SimulateSettings, source: Source, *, d
     """
     begin = time.perf_counter()
     footage, missing = _footage(run, source)
+    edited = is_edited(settings.simulate, settings.scene)
     facts = {"run": run, "settings": settings, "source": source, "footage": footage, "device": device}
     made = _Simulated(volumes=open_volumes(run.folder), records=run.records(), **facts)
     shown = spread(tuple(made.records), SHOWN_FRAMES)
@@ -86,10 +89,11 @@ def report_simulation(run: Run, settings: SimulateSettings, source: Source, *, d
         origin="Footage" if footage else "Source",
         inputs=_inputs(made, shown[len(shown) // 2]),
         warnings=[*missing, *warnings(made.records, settings.simulate)],
-        check=check(made.records, source),
+        check=[*check(made.records, source), *departure(made.records, settings)],
         frames=pages,
         metrics=_with_motion(made, means),
-        metrics_note=AGAINST,
+        metrics_note=AGAINST + EDITED * edited,
+        ranked=not edited,
         yardsticks=floors,
         series=[*course(made.records, source), *speeds(made.volumes, shown, settings.simulate.fps)],
         facts=_facts(made),

@@ -4,7 +4,6 @@ The page is a single file without scripts that needs no network: pictures are em
 reader's light or dark setting. It knows nothing of runs and files; whoever has a run fills in ``ReportData``.
 """
 
-from collections.abc import Sequence
 from html import escape
 from importlib.resources import files
 from pathlib import Path
@@ -45,7 +44,7 @@ def html_report(report: ReportData) -> str:
         section("Quality, mean over some frames", _quality(report)),
         section("Over the frames", _series(report)),
         *(section(title, table(rows)) for title, rows in report.facts.items()),
-        *(_frame(frame, angles, report.yardsticks) for frame in report.frames),
+        *(_frame(frame, angles, report) for frame in report.frames),
         section("Options", options_table(report.options, report.defaults)),
         section("Time and versions", side_by_side(timings_table(report.timings), versions_table(report.versions))),
     ]
@@ -75,7 +74,7 @@ def _inputs(report: ReportData) -> str:
 def _quality(report: ReportData) -> str:
     """Return the means with what they are measured against."""
     note = f'<p class="note">{escape(report.metrics_note)}</p>' if report.metrics_note else ""
-    numbers = metrics_table(report.metrics, report.yardsticks)
+    numbers = metrics_table(report.metrics, report.yardsticks, ranked=report.ranked)
     return numbers + note if numbers else ""
 
 
@@ -87,7 +86,7 @@ def _series(report: ReportData) -> str:
     return f'<div class="charts">{content}</div>' if content else ""
 
 
-def _frame(frame: FrameReport, input_angles: set[float], yardsticks: Sequence[str]) -> str:
+def _frame(frame: FrameReport, input_angles: set[float], report: ReportData) -> str:
     """Return a frame: stills, slices, numbers, energy."""
     parts = [_stills(frame, input_angles)]
     slices = "".join(
@@ -108,7 +107,7 @@ def _frame(frame: FrameReport, input_angles: set[float], yardsticks: Sequence[st
         parts.append(f'{title}<div class="fields">{fields}</div>')
     drawn = frame.energies is not None and len(frame.energies) >= FEWEST_ITERATIONS
     curve = f"<div><h3>Energy</h3>{energy_chart(frame.energies, alternates=frame.alternates)}</div>" if drawn else ""
-    numbers = metrics_table(frame.metrics, yardsticks, explained=False)
+    numbers = metrics_table(frame.metrics, report.yardsticks, ranked=report.ranked, explained=False)
     parts.append(side_by_side(f'<div class="wide"><h3>Quality</h3>{numbers}</div>' if numbers else "", curve))
     seconds = "" if frame.seconds is None else f' <span class="soft">{frame.seconds:.1f} s</span>'
     return f'<h2>Frame {frame.number}{seconds}</h2><div class="card">{"".join(parts)}</div>'

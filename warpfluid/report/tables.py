@@ -11,16 +11,21 @@ LEAST_FLOOR = 1e-3  # that multiples are told of
 
 
 def metrics_table(
-    methods: Mapping[str, Mapping[str, float]], yardsticks: Sequence[str], *, explained: bool = True
+    methods: Mapping[str, Mapping[str, float]],
+    yardsticks: Sequence[str],
+    *,
+    ranked: bool = True,
+    explained: bool = True,
 ) -> str:
-    """Return the table of metrics against methods, the best number of a row marked.
+    """Return the table of metrics against methods.
 
     Args:
         methods: Numbers by the method's name and the metric's.
         yardsticks: Names among them that are floors; distances are told as multiples of the first one.
+        ranked: Mark the best number of a row.
         explained: Say what each metric sees, and how to read the table.
     """
-    rows = [row for metric in METRICS.values() if (row := _metric_row(metric, methods, yardsticks, explained))]
+    rows = [row for metric in METRICS.values() if (row := _metric_row(metric, methods, yardsticks, ranked, explained))]
     if not rows:
         return ""
     heads = "".join(
@@ -35,13 +40,13 @@ def metrics_table(
 
 
 def _metric_row(
-    metric: Metric, methods: Mapping[str, Mapping[str, float]], yardsticks: Sequence[str], explained: bool
+    metric: Metric, methods: Mapping[str, Mapping[str, float]], yardsticks: Sequence[str], ranked: bool, explained: bool
 ) -> str:
     """Return the row of a metric; nothing if no method has it."""
     values = {name: numbers[metric.name] for name, numbers in methods.items() if metric.name in numbers}
     if not values:
         return ""
-    rivals = [name for name in values if name not in yardsticks and metric.ranks]
+    rivals = [name for name in values if name not in yardsticks and metric.ranks and ranked]
     best = min(rivals, key=lambda name: metric.badness(values[name])) if len(rivals) > 1 else None
     floor = values.get(yardsticks[0], 0.0) if yardsticks and metric.best == "low" else 0.0
     cells = []

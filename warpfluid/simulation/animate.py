@@ -202,6 +202,12 @@ class Animator:
             there = total(self.state.density)
             scale(self.state.density, min(1.0, total(volume) / max(there, 1e-30)))
 
+    def _elsewhere(self, volume: wp.array) -> float:
+        """Return the share of the light that is not where the source has it."""
+        found, wanted = self.state.density.numpy(), volume.numpy()
+        apart = np.abs(found - wanted).sum(dtype=np.float64)
+        return float(apart / max(found.sum(dtype=np.float64) + wanted.sum(dtype=np.float64), 1e-30))
+
     def _check_finite(self) -> None:
         for name in ("density", "temperature", "fuel"):
             if not np.isfinite(vectors.largest(getattr(self.state, name))):
@@ -218,6 +224,7 @@ class Animator:
         if volume:
             pairs = zip(self.footage.images(self.state.density), self.footage.images(volume), strict=True)
             record["input_psnr"] = [round(psnr(a, b, 255.0), 2) for a, b in pairs]
+            record["elsewhere"] = round(self._elsewhere(volume), 4)
             record["total_over_source"] = round(total(self.state.density) / max(total(volume), 1e-30), 4)
         fields, output, factor = fields_of(self.state), self.animation.output, self.animation.options.detail
         if self.detail:

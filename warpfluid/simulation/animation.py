@@ -8,7 +8,7 @@ from warpfluid.options import OutputOptions, Scene, SimulateOptions
 from warpfluid.options.keys import Keyed
 from warpfluid.simulation.source import Source
 
-EDITED_FIDELITY = 0.3
+EDITED_FIDELITY = 0.3  # how strongly the footage pulls once the artist adds something
 EDITS = (
     "density_buoyancy",
     "temperature_buoyancy",
@@ -42,14 +42,20 @@ class Animation:
     device: wp.Device
 
     def fidelity(self, frame: float) -> float:
-        """Return how strongly the footage pulls at a frame: all the way, unless the artist adds something."""
-        if self.options.fidelity is not None:
-            return Keyed(self.options.fidelity).at(frame)
-        return EDITED_FIDELITY if is_edited(self.options, self.scene) else 1.0
+        """Return how strongly the footage pulls at a frame."""
+        return fidelity_at(self.options, self.scene, frame)
+
+
+def fidelity_at(options: SimulateOptions, scene: Scene, frame: float) -> float:
+    """Return how strongly the footage pulls at a frame: all the way, unless the artist adds something."""
+    if options.fidelity is not None:
+        return Keyed(options.fidelity).at(frame)
+    return EDITED_FIDELITY if is_edited(options, scene) else 1.0
 
 
 def is_edited(options: SimulateOptions, scene: Scene) -> bool:
     """Return whether an artist adds anything to what the footage asks for."""
     usual = SimulateOptions()
     changed = any(getattr(options, name) != getattr(usual, name) for name in EDITS)
-    return changed or bool(scene.emitter or scene.obstacle or scene.force)
+    pushed = any(body.obstacle for body in scene.body)
+    return changed or pushed or bool(scene.emitter or scene.obstacle or scene.force)
