@@ -105,10 +105,10 @@ def test_a_frame_that_failed_and_those_after_it(tmp_path, flags, unbroken, monke
     """When it is made at last, those that could not start from it are made again: the bits of an unbroken run."""
     whole, model = volumes(unbroken), sequence.FrameJob._model
 
-    def fail(job, frame, *rest):
+    def fail(job, frame, *rest, **more):
         if frame == 1002:
             raise RuntimeError("out of luck")
-        return model(job, frame, *rest)
+        return model(job, frame, *rest, **more)
 
     with monkeypatch.context() as patch:
         patch.setattr(sequence.FrameJob, "_model", fail)
@@ -139,15 +139,17 @@ def test_a_part_that_changes_what_lies_behind_it(tmp_path, flags, unbroken, monk
     """Frames that were not asked for are noticed when they are."""
     model = sequence.FrameJob._model
 
-    def fail(job, frame, *rest):
+    def fail(job, frame, *rest, **more):
         if frame == 1002:
             raise RuntimeError("out of luck")
-        return model(job, frame, *rest)
+        return model(job, frame, *rest, **more)
 
     with monkeypatch.context() as patch:
         patch.setattr(sequence.FrameJob, "_model", fail)
         assert run("reconstruct", *flags, "-o", tmp_path / "run") == 1
+    assert numbers(tmp_path / "run") == [1001, 1003, 1004]
     assert run("reconstruct", "-o", tmp_path / "run", "--resume", "--frames", "1001-1003") == 0
+    assert sorted(numbers(tmp_path / "run")) == list(FRAMES)
     assert run("reconstruct", "-o", tmp_path / "run", "--resume") == 0
     assert volumes(tmp_path / "run") == volumes(unbroken)
 

@@ -1,6 +1,5 @@
 """The frames of a shot, made by one process or many, and written down as they come."""
 
-from collections.abc import Collection
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -79,7 +78,7 @@ def reconstruct_frames(work: Work, asked: Asked, device, log: Progress) -> None:
     from warpfluid.reconstruction.systems import round_count
 
     pieces = make_pieces(work.shot, work.settings.reconstruct)
-    known = {*work.shot.frames, *work.records}
+    known = sorted({*work.shot.frames, *work.records})
     frames = pieces.to_make(work.shot.frames, known, work.records)
     if len(frames) < len(work.shot.frames):
         log.line(f"resume  {len(work.shot.frames) - len(frames)} of {len(work.shot.frames)} frames are there")
@@ -107,12 +106,13 @@ def reconstruct_frames(work: Work, asked: Asked, device, log: Progress) -> None:
     _name_the_rest(work)
 
 
-def _chains(work: Work, pieces, groups: list[list[int]], known: Collection[int], log: Progress) -> list:
+def _chains(work: Work, pieces, groups: list[list[int]], known: list[int], log: Progress) -> list:
     """Return the chains of a shot; a frame that will be made again counts as missing from then on."""
     from warpfluid.reconstruction.pieces import frame_chain
 
     def forget(frames: list[int]) -> None:
-        log.notes([f"frames {format_frames(frames)} are made again: what they should start from is another one now"])
+        which = f"frames {format_frames(frames)} are" if len(frames) > 1 else f"frame {frames[0]} is"
+        log.notes([f"{which} made again: what comes before has changed"])
         work.run.forget(frames)
 
     records = dict(work.records)

@@ -49,6 +49,21 @@ def test_a_carried_frame_is_exact_and_quick(fire, first, device):
     assert distance(result.volume) < 0.6 * distance(alone.volume)
 
 
+def test_a_frame_that_is_drawn_to_another(fire, first, device):
+    """By nothing it is the carried one; wholly, what was carried does not matter; between, it is nearer to both."""
+    later = views_of(rising(fire, 1), device)
+    other = reconstruct(later, replace(OPTIONS, seed=7), device=device).volume
+    carried = follow(*first, later, OPTIONS, device=device).volume
+    none, half, whole = (
+        follow(*first, later, OPTIONS, towards=(other, weight), device=device).volume for weight in (0.0, 0.5, 1.0)
+    )
+    np.testing.assert_array_equal(none, carried)
+    from_nothing = follow(0 * first[0], first[1], later, OPTIONS, towards=(other, 1.0), device=device).volume
+    np.testing.assert_allclose(from_nothing, whole, rtol=0.01, atol=1e-3)
+    apart = np.abs(carried - whole).sum()
+    assert max(np.abs(half - carried).sum(), np.abs(half - whole).sum()) < 0.75 * apart
+
+
 def test_new_matter_grows(fire, first, device):
     """A flame that appears where the carried volume is empty is there, not black."""
     grown = rising(fire, 1)

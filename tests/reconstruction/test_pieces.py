@@ -11,12 +11,39 @@ def pieces(**changes):
 
 
 def test_a_piece_starts_early():
-    """Its first frame is led up to by frames that are dropped; the others follow it."""
+    """Its first frame is led up to by frames that are not kept, which those of the piece before are drawn to."""
     known = range(1, 10)
     tasks = [pieces().task(frame, known, known) for frame in known]
-    assert tasks[:4] == [FrameTask(1), FrameTask(2, 1), FrameTask(3, 2), FrameTask(4, 3)]
+    third, fourth = FrameTask(3, 2, (), (3,), 1 / 3), FrameTask(4, 3, (), (3, 4), 1 / 2)
+    assert tasks[:4] == [FrameTask(1), FrameTask(2, 1), third, fourth]
     assert tasks[4:6] == [FrameTask(5, lead=(3, 4)), FrameTask(6, 5)]
+    assert tasks[7:] == [FrameTask(8, 7, (), (7, 8), 1 / 2), FrameTask(9, lead=(7, 8))]
     assert pieces().chains(known) == [[1, 2, 3, 4], [5, 6, 7, 8], [9]]
+
+
+@given(st.integers(0, 9))
+def test_what_is_left_of_a_piece_falls_evenly(overlap):
+    known = range(1, 21)
+    left = 1.0
+    for place, frame in enumerate(range(11 - overlap, 11), start=1):
+        left *= 1 - pieces(length=10, overlap=overlap).task(frame, known, known).weight
+        assert abs(left - (1 - place / (overlap + 1))) < 1e-12
+
+
+def test_overlaps_longer_than_pieces():
+    """A frame is drawn to the next piece alone, and may begin a piece itself."""
+    known = range(1, 8)
+    cut = pieces(length=2, overlap=3)
+    assert cut.task(3, known, known) == FrameTask(3, lead=(1, 2), towards=(2, 3), weight=1 / 3)
+    assert cut.task(5, known, known) == FrameTask(5, lead=(2, 3, 4), towards=(4, 5), weight=1 / 3)
+
+
+def test_nothing_is_drawn_where_nothing_is_carried():
+    """A frame that starts anew, the last piece, and one behind which too many frames lack."""
+    assert pieces().task(4, range(1, 9), (1,)) == FrameTask(4)
+    assert pieces().task(4, range(1, 5), range(1, 5)) == FrameTask(4, 3)
+    assert pieces().task(4, (1, 2, 3, 4, 7, 8), range(1, 9)) == FrameTask(4, 3)
+    assert pieces(overlap=0).task(4, range(1, 9), range(1, 9)) == FrameTask(4, 3)
 
 
 def test_one_piece():
@@ -58,7 +85,7 @@ class Folder:
 
     def go_on(self, wanted, fails=(), most=1000):
         """Make what lacks; some frames fail, and the run may be broken off."""
-        known = {*wanted, *self.records}
+        known = sorted({*wanted, *self.records})
         expected, self.made, held = self.cut.to_make(wanted, known, self.records), [], dict(self.records)
         for group in self.cut.chains(known):
             chain = frame_chain(self.cut, group, wanted, known, held, self.forget)
@@ -78,8 +105,8 @@ class Folder:
 
     def outcome(self, task):
         origin = self.records[task.before]["volume"] if task.before is not None else None
-        volume = f"{task.frame} after {task.lead} or ({origin})"
-        return {"before": task.origin, "lead": list(task.lead), "origin": origin, "volume": volume}
+        volume = f"{task.frame} after {task.lead} or ({origin}), {task.weight:.3f} of {task.towards}"
+        return {**task.to_dict(), "origin": origin, "volume": volume}
 
     def forget(self, frames):
         for frame in frames:
@@ -124,6 +151,14 @@ def test_a_lead_that_was_another():
     assert run.records[5]["lead"] == [1, 2, 4]
     run.go_on(range(1, 7))
     assert run.records[5]["lead"] == [2, 3, 4]
+
+
+def test_a_shot_that_grows():
+    """What ended it is drawn to the piece that came, and nothing else is made again."""
+    run = Folder(pieces(), range(1, 9))
+    run.go_on(range(1, 5))
+    run.go_on(range(1, 9))
+    assert run.made == [3, 4, 5, 6, 7, 8]
 
 
 def test_frames_that_are_not_asked_for():

@@ -93,7 +93,7 @@ class ReconstructOptions:
     piece: Annotated[
         int | None, "Cut a coherent shot into pieces of so many pictures, which spread over processes; whole by default"
     ] = None
-    overlap: Annotated[int, "Pictures that a piece starts early, which are dropped; more make the seam smoother"] = 4
+    overlap: Annotated[int, "Pictures over which a piece fades into the next, which starts that much earlier"] = 4
     # rays
     footprint: Annotated[
         Literal["box", "joseph"], "What a voxel looks like to a ray: box conserves light in every view"

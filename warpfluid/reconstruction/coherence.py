@@ -36,6 +36,7 @@ def follow(
     later: Views,
     options: ReconstructOptions,
     *,
+    towards: tuple[np.ndarray, float] | None = None,
     progress: Progress | None = None,
     observe: Observer | None = None,
     device: str | wp.Device | None = None,
@@ -47,6 +48,7 @@ def follow(
         now: Views of the frame before.
         later: Views of the frame to model, at the same angles.
         options: Choices of the method; at least ``coherent_iterations`` are made.
+        towards: Another volume of the frame to model, shape (x, z, y), and how much of the start it makes up, 0-1.
         progress: Called after each iteration with its number and the energy.
         observe: Called after each iteration with its pictures and the volume.
         device: Where to compute; the first GPU there is when omitted.
@@ -61,6 +63,9 @@ def follow(
     if not (inputs.images > inputs.threshold).any():
         return None
     carried = carry(previous * np.float32(255 / now.white), now, later, method=options.flow, device=device)
+    if towards is not None:
+        other, weight = towards
+        carried += np.float32(weight) * (other * np.float32(255 / later.white) - carried)
     initial = first_volume(inputs, options)
     volume, lacking = filled_start(inputs, options, carried, rough_start(inputs, options, initial))
     if lacking > CUT:

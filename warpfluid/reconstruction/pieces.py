@@ -1,11 +1,13 @@
-"""Which frame starts from which: a coherent shot is one chain, or pieces that overlap.
+"""Which frame starts from which: a coherent shot is one chain, or pieces that fade into each other.
 
 In a chain every frame waits for the one before. Cut into pieces, a shot spreads over many workers: a piece starts some
-frames early, so that its volume is nearer to the other's when its own frames begin. Where it is cut depends on the
-frames' numbers alone, never on the workers, or the volumes would.
+frames early. Over these the volumes of the piece before are drawn towards its own, more with every frame, so that what
+no view sees does not jump where it begins. Where a shot is cut depends on the frames' numbers alone, never on the
+workers, or the volumes would.
 """
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from bisect import bisect_left
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from warpfluid.footage.shot import Shot
@@ -22,16 +24,20 @@ class FrameTask:
         frame: Its number.
         before: The frame of the run that it starts from.
         lead: Frames that are made before it and not kept; the first one starts anew.
+        towards: The lead of the next piece up to this frame, whose volume it is drawn to.
+        weight: How far, 0-1.
     """
 
     frame: int
     before: int | None = None
     lead: tuple[int, ...] = ()
+    towards: tuple[int, ...] = ()
+    weight: float = 0.0
 
-    @property
-    def origin(self) -> int | None:
-        """The frame whose volume is carried on."""
-        return self.lead[-1] if self.lead else self.before
+    def to_dict(self) -> dict:
+        """Return what a record notes of it, to tell whether it would be made so again."""
+        towards = {"towards": list(self.towards), "weight": self.weight} if self.towards else {}
+        return {"before": self.lead[-1] if self.lead else self.before, "lead": list(self.lead), **towards}
 
 
 @dataclass(frozen=True)
@@ -42,7 +48,7 @@ class Pieces:
         first: The first frame of the footage, from which pieces are counted.
         step: Frames from one picture to the next.
         length: Pictures of a piece; None for one that holds all.
-        overlap: Pictures that a piece starts early.
+        overlap: Pictures that a piece starts early, and over which the one before fades into it.
         coherent: Whether frames build on each other at all.
     """
 
@@ -67,28 +73,44 @@ class Pieces:
                 groups.append([frame])
         return groups
 
-    def task(self, frame: int, known: Collection[int], done: Collection[int]) -> FrameTask:
+    def task(self, frame: int, known: Sequence[int], done: Collection[int]) -> FrameTask:
         """Return how a frame is to be made.
 
         Args:
             frame: Its number.
-            known: Frames that the run has or will have.
+            known: Frames that the run has or will have, rising.
             done: Those that it has.
         """
-        if not self.coherent:
+        place = bisect_left(known, frame)
+        before = known[place - 1] if place else None
+        if not self.coherent or before is None or not self._near(before, frame):
             return FrameTask(frame)
-        earlier = sorted((number for number in known if number < frame), reverse=True)
-        if not earlier or not self._near(earlier[0], frame):
-            return FrameTask(frame)
-        if self.piece(earlier[0]) == self.piece(frame):
-            return FrameTask(frame, earlier[0] if earlier[0] in done else None)
-        lead, later = [], frame
-        for number in earlier[: self.overlap]:
-            if not self._near(number, later):
-                break
-            lead.append(number)
-            later = number
-        return FrameTask(frame, lead=tuple(reversed(lead)))
+        towards, weight = self._fade(frame, known)
+        if self.piece(before) != self.piece(frame):
+            lead = self._lead(frame, known)
+            return FrameTask(frame, None, lead, towards, weight) if lead else FrameTask(frame)
+        return FrameTask(frame, before, (), towards, weight) if before in done else FrameTask(frame)
+
+    def _lead(self, frame: int, known: Sequence[int]) -> tuple[int, ...]:
+        """Return the frames that lead up to the first frame of a piece."""
+        place = begin = bisect_left(known, frame)
+        while begin > max(place - self.overlap, 0) and self._near(known[begin - 1], known[begin]):
+            begin -= 1
+        return tuple(known[begin:place])
+
+    def _fade(self, frame: int, known: Sequence[int]) -> tuple[tuple[int, ...], float]:
+        """Return the lead of the next piece up to a frame, and how far the frame is drawn to its end.
+
+        Frame after frame, weights of 1/(n + 1), 1/n, ... 1/2 make what is left of the own piece fall evenly.
+        """
+        if not self.length:
+            return (), 0.0
+        following = bisect_left(known, self.first + (self.piece(frame) + 1) * self.length * self.step)
+        lead = self._lead(known[following], known) if following < len(known) else ()
+        if frame not in lead:
+            return (), 0.0
+        place = lead.index(frame)
+        return lead[: place + 1], 1 / (len(lead) - place + 1)
 
     def to_make(self, frames: Collection[int], known: Collection[int], records: Mapping[int, dict]) -> list[int]:
         """Return which frames are missing or would be made otherwise now, provided that all succeed.
@@ -98,9 +120,9 @@ class Pieces:
             known: Frames that the run has or will have.
             records: Of the frames that it has.
         """
-        found, changed = [], set()
-        for frame in sorted(known):
-            task = self.task(frame, known, known)
+        found, changed, rising = [], set(), sorted(known)
+        for frame in rising:
+            task = self.task(frame, rising, known)
             if frame in records and (task.before in changed or not is_made_so(task, records)):
                 changed.add(frame)
             if frame in frames and (frame in changed or frame not in records):
@@ -130,16 +152,15 @@ def is_made_so(task: FrameTask, records: Mapping[int, dict]) -> bool:
         records: Of the frames that the run has.
     """
     record, before = records[task.frame], records.get(task.before)
-    if record.get("before") != task.origin or record.get("lead") != list(task.lead):
-        return False
-    return before is None or record.get("origin") == before["volume"]
+    noted = {name: record[name] for name in ("before", "lead", "towards", "weight") if name in record}
+    return noted == task.to_dict() and (before is None or record.get("origin") == before["volume"])
 
 
 def frame_chain(
     pieces: Pieces,
     group: Iterable[int],
     frames: Collection[int],
-    known: Collection[int],
+    known: Sequence[int],
     records: dict[int, dict],
     forget: Callable[[list[int]], None],
 ) -> Iterator[FrameTask]:
@@ -152,7 +173,7 @@ def frame_chain(
         pieces: How frames hang together.
         group: Frames that build on each other, rising; some of them may be there.
         frames: Those to make.
-        known: Frames that the run has or will have.
+        known: Frames that the run has or will have, rising.
         records: Of the frames that it has; what is made is added.
         forget: Called with frames that are there and will be made again.
     """

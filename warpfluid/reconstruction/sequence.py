@@ -38,10 +38,11 @@ class FrameJob:
     run: Run
     observer: Callable[[int], Observer] | None = None
     _last: Before | None = None
+    _lead: tuple[tuple[int, ...], Before | None] = ((), None)
 
     def __getstate__(self) -> dict:
         """Return what another process needs."""
-        return self.__dict__ | {"_last": None}
+        return self.__dict__ | {"_last": None, "_lead": ((), None)}
 
     def __call__(self, task: FrameTask, device, progress: Progress) -> dict:
         """Reconstruct a frame and write its volume.
@@ -61,11 +62,12 @@ class FrameJob:
         """
         begin = time.perf_counter()
         before = self._before(task, device)
-        result, views, carried = self._model(task.frame, before, device, progress, self.observer)
+        towards = (self._led(task.towards, device)[1], task.weight) if task.towards else None
+        told = {"progress": progress, "observer": self.observer}
+        result, views, carried = self._model(task.frame, before, device, towards=towards, **told)
         record = {
             "carried": carried,
-            "before": task.origin,
-            "lead": list(task.lead),
+            **task.to_dict(),
             "origin": self.run.volume_id(task.before) if task.before is not None else None,
             "inputs": self.shot.hashes(task.frame),
             **_numbers(result, views, self.settings.reconstruct.shoulder),
@@ -82,20 +84,27 @@ class FrameJob:
             if self._last is None or self._last[0] != task.before:
                 self._last = task.before, self.run.volume(task.before), self.shot.views(task.before)
             return self._last
-        before = None
-        for frame in task.lead:
-            result, views, _ = self._model(frame, before, device, None, None)
+        return self._led(task.lead, device) if task.lead else None
+
+    def _led(self, frames: tuple[int, ...], device) -> Before:
+        """Return number, volume and views of the last of some frames, which are not kept; the first starts anew."""
+        there, before = self._lead
+        if frames[: len(there)] != there:
+            there, before = (), None
+        for frame in frames[len(there) :]:
+            result, views, _ = self._model(frame, before, device)
             before = frame, stored(result.volume, self.settings.output), views
+        self._lead = frames, before
         return before
 
     def _model(
-        self, frame: int, before: Before | None, device, progress, observer
+        self, frame: int, before: Before | None, device, *, progress=None, observer=None, towards=None
     ) -> tuple[Reconstruction, Views, bool]:
         """Return a frame's reconstruction and views, and whether it was carried from the one before."""
         views, options = self.shot.views(frame), self.settings.reconstruct
         report = (lambda iteration, energy: progress(frame, iteration, energy)) if progress else None
         watched = {"progress": report, "observe": observer(frame) if observer else None, "device": device}
-        result = follow(before[1], before[2], views, options, **watched) if before else None
+        result = follow(before[1], before[2], views, options, towards=towards, **watched) if before else None
         if result is not None:
             return result, views, True
         return reconstruct(views, options, **watched), views, False
