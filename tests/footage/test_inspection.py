@@ -9,12 +9,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from warpfluid.files.images import read_image, write_png
-from warpfluid.footage.estimate import estimate_cost, hull_share, machine_memory
+from warpfluid.footage.estimate import estimate_cost, estimate_run, hull_share, machine_memory
 from warpfluid.footage.hints import cost_hints
 from warpfluid.footage.inspection import inspect_shot, write_views_picture
 from warpfluid.footage.row_sums import compare_row_sums
 from warpfluid.footage.shot import open_shot
 from warpfluid.options import InputOptions, ReconstructOptions
+from warpfluid.reconstruction.pieces import Pieces
 from warpfluid.views import Views
 
 
@@ -80,6 +81,22 @@ def test_cost_grows_with_the_volume():
     assert 4 < large[0] / small[0] < 9
     assert 4 < large[1] / small[1] < 9
     assert estimate_cost((256, 256), 0.2, ReconstructOptions(method="lsm", angles=90))[0] < small[0]
+
+
+@pytest.mark.parametrize("overlap", [0, 2, 5])
+def test_pieces_cost_what_leads_up_to_them(overlap):
+    """As many frames that start anew, and that are carried, as the pieces ask for."""
+    cut = Pieces(first=1, step=1, length=4, overlap=overlap, coherent=True)
+    tasks = [cut.task(frame, range(1, 19), range(1, 19)) for frame in range(1, 19)]
+    anew = sum(task.before is None for task in tasks)
+    carried = sum(task.before is not None for task in tasks) + sum(len(task.lead) for task in tasks)
+    whole, pieces = (
+        estimate_run(18, 100.0, 1.0, ReconstructOptions(piece=piece, overlap=overlap)) for piece in (None, 4)
+    )
+    assert pieces - whole == pytest.approx(100 * anew + carried - 100 - 17)
+    assert estimate_run(18, 3, 3, ReconstructOptions(piece=4, method="lsm")) == estimate_run(
+        18, 3, 3, ReconstructOptions()
+    )
 
 
 def test_random_walks_cost_by_mutations():

@@ -119,15 +119,20 @@ def estimate_carried(size: tuple[int, int], share: float, options: ReconstructOp
     return estimate_cost(size, share, few)[0] + views * size[0] * size[1] * SECONDS_A_FLOW_PIXEL
 
 
-def estimate_run(frames: int, first: float, others: float) -> float:
+def estimate_run(frames: int, first: float, others: float, options: ReconstructOptions) -> float:
     """Return seconds for a run with film and page.
 
     Args:
         frames: How many.
-        first: Seconds for the first frame.
+        first: Seconds for a frame that starts anew, the first of a piece.
         others: Seconds for each of the others.
+        options: A piece is led up to by frames that are not kept.
     """
-    return first + (frames - 1) * others + SECONDS_OF_FILM + min(frames, SHOWN_FRAMES) * SECONDS_OF_PAGE
+    is_coherent = options.coherence == "flow" and options.method == "appearance-transfer"
+    begins = range(0, frames, options.piece or frames) if is_coherent else range(1)
+    led = sum(min(options.overlap, begin) for begin in begins)
+    made = len(begins) * first + (frames + led - len(begins)) * others
+    return made + SECONDS_OF_FILM + min(frames, SHOWN_FRAMES) * SECONDS_OF_PAGE
 
 
 def affordable_width(
@@ -147,7 +152,7 @@ def affordable_width(
     def cost(width: int) -> tuple[float, int]:
         smaller = width, max(1, round(width * size[1] / size[0]))
         first, needed = estimate_cost(smaller, share, options)
-        return estimate_run(frames, first, estimate_carried(smaller, share, options, views)), needed
+        return estimate_run(frames, first, estimate_carried(smaller, share, options, views), options), needed
 
     seconds, needed = cost(size[0])
     if seconds <= LONG and needed <= memory:

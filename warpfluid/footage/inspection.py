@@ -102,11 +102,13 @@ class Inspection:
 
     def _needs(self) -> str:
         frames = f"{self.frame_count} frame{'s' * (self.frame_count > 1)}"
-        whole = format_duration(estimate_run(self.frame_count, self.seconds_a_frame, self.seconds_a_carried_frame))
+        costs = self.seconds_a_frame, self.seconds_a_carried_frame
+        whole = format_duration(estimate_run(self.frame_count, *costs, self.options))
         a_frame = f"{format_duration(self.seconds_a_frame)} a frame"
         if self.frame_count > 1 and self.options.coherence == "flow":
             carried = format_duration(self.seconds_a_carried_frame)
-            a_frame = f"{format_duration(self.seconds_a_frame)} the first frame, {carried} each of the others"
+            of_each = " of each piece" * (self.options.piece is not None)
+            a_frame = f"{format_duration(self.seconds_a_frame)} the first frame{of_each}, {carried} each of the others"
         memory = max(self.memory_bytes / 1e9, 0.01)
         return f"{frames}, about {whole} on two CPU cores ({a_frame}) and {memory:.2g} GB of memory"
 
