@@ -48,6 +48,8 @@ job = json.load(open(sys.argv[-1]))
 bpy.ops.wm.read_factory_settings(use_empty=True)
 scene = bpy.context.scene
 bpy.ops.object.volume_import(filepath=job["volume"], align="WORLD")
+if bpy.app.version < (5, 0, 0):  # which took the index of a voxel for its corner, not its centre
+    bpy.context.object.location = [-job["voxel"] / 2] * 3
 material = bpy.data.materials.new("fluid")
 material.use_nodes = True
 nodes, links = material.node_tree.nodes, material.node_tree.links
@@ -129,6 +131,7 @@ def path_traced(folder: Path, medium, light: LightOptions) -> Picture:
     job = {
         "volume": str(folder / "fluid.vdb"),
         "out": str(folder / "cycles.exr"),
+        "voxel": VOXEL,
         "anisotropy": medium.anisotropy,
         "strength": float(max(sun.color)),
         "color": (sun.color / max(sun.color)).tolist(),
