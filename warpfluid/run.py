@@ -17,7 +17,8 @@ import numpy as np
 from warpfluid import __version__
 from warpfluid.errors import describe, writing
 from warpfluid.files.atomic import replacing
-from warpfluid.files.lines import append_line, read_lines
+from warpfluid.files.lines import append_line, line_of, read_lines
+from warpfluid.files.tables import check_table, write_table
 from warpfluid.files.vdb import layout, lost_mass, read_vdb, write_vdb
 from warpfluid.options import OutputOptions
 from warpfluid.settings import Settings, check_same, join_frames, read_settings
@@ -25,6 +26,7 @@ from warpfluid.settings import Settings, check_same, join_frames, read_settings
 SETTINGS, RECORDS, FILM, PAGE = "run.toml", "frames.jsonl", "turntable.mp4", "report.html"
 CHECKPOINT, BODIES = "checkpoint.npz", "bodies.json"  # of a simulation
 VOLUMES = "density.*.vdb"
+FARTHEST = 10**9  # frame; what claims to be further on is damaged
 MADE = (RECORDS, FILM, PAGE, CHECKPOINT, BODIES)
 PACKAGES = ("warp-lang", "numpy", "scipy", "scikit-image", "OpenEXR", "av")
 
@@ -130,6 +132,7 @@ class Run:
         there = (self.folder / SETTINGS).exists()
         if there and resume:
             old = self.settings()
+            check_table(self.folder / SETTINGS)
             check_same(self.folder, old, document)
             join_frames(old, document)
         self._make_folder()
@@ -139,7 +142,7 @@ class Run:
         for left in self.folder.glob(".*.tmp"):  # of a run that was killed while it wrote them
             left.unlink(missing_ok=True)
         kept = self._keep_whole() if resume else {}
-        _write_toml(self.folder / SETTINGS, document)
+        write_table(self.folder / SETTINGS, document)
         return kept
 
     def write_frame(
@@ -221,7 +224,8 @@ class Run:
 
     def _all_records(self) -> list[dict]:
         """Return the records in the order of the file, without lines that are none."""
-        return [line for line in read_lines(self.folder / RECORDS) if isinstance(line.get("frame"), int)]
+        lines = read_lines(self.folder / RECORDS)
+        return [line for line in lines if type(line.get("frame")) is int and abs(line["frame"]) < FARTHEST]
 
     def forget(self, frames: Collection[int]) -> None:
         """Drop the records of frames, which are to be made again."""
@@ -235,7 +239,7 @@ class Run:
 
     def _write_records(self, records: Mapping[int, dict]) -> None:
         path = self.folder / RECORDS
-        lines = "".join(json.dumps(record) + "\n" for record in records.values()).encode()
+        lines = b"".join(map(line_of, records.values()))
         if path.exists() and path.read_bytes() != lines:
             with replacing(path) as file:
                 file.write(lines)
@@ -258,10 +262,3 @@ def versions() -> dict[str, str]:
     found = {name: version(name) for name in PACKAGES}
     machine = f"{platform.system()} {platform.machine()}"
     return {"warpfluid": __version__, **found, "python": platform.python_version(), "system": machine}
-
-
-def _write_toml(path: Path, document: dict) -> None:
-    import tomli_w
-
-    with replacing(path) as file:
-        tomli_w.dump(document, file)

@@ -61,12 +61,16 @@ def read_bodies(path: str | Path) -> tuple[list[str], dict[int, list[dict[str, n
             for entry in content["frames"]
         }
         names = [str(name) for name in content["names"]]
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, IndexError, OverflowError, RecursionError) as error:
         raise ValueError(f"{path} is no file of bodies, or it is damaged") from error
-    shapes_fit = all(
-        body[name].shape == (n,) for bodies in frames.values() for body in bodies for name, n in VECTORS.items()
+    bodies_fit = all(len(bodies) == len(names) for bodies in frames.values())
+    numbers_fit = all(
+        body[name].shape == (n,) and np.isfinite(body[name]).all()
+        for bodies in frames.values()
+        for body in bodies
+        for name, n in VECTORS.items()
     )
-    if not shapes_fit or any(len(bodies) != len(names) for bodies in frames.values()):
+    if not (bodies_fit and numbers_fit):
         raise ValueError(f"{path} is no file of bodies, or it is damaged")
     return names, frames
 

@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from warpfluid.files.atomic import replacing
+from warpfluid.files.limits import check_pixels
 
-MOST_PIXELS = 2**26  # 8192 x 8192: a header that claims more is damaged or a trap
 LARGEST_HALF = 65504.0
 
 _MAGIC = b"\x76\x2f\x31\x01"
@@ -43,7 +43,7 @@ def read_exr(path: str | Path) -> np.ndarray:
     try:
         with _quiet():
             for part in OpenEXR.File(str(path), header_only=True).parts:
-                _check_size(part.header)
+                _check_size(part.header, os.path.getsize(path))
             parts = OpenEXR.File(str(path), separate_channels=True).parts
             return _picture(parts)
     except Exception as error:  # damaged files fail in many ways
@@ -107,12 +107,14 @@ def _window(header: dict, name: str) -> tuple[int, int, int, int]:
     return left, top, right - left + 1, bottom - top + 1
 
 
-def _check_size(header: dict) -> None:
+def _check_size(header: dict, size: int) -> None:
     """Refuse a file that would take all memory before its pixels are read."""
+    channels, tiles = max(len(header["channels"]), 1), header.get("tiles")
     for name in ("dataWindow", "displayWindow"):
         _, _, width, height = _window(header, name)
-        if width < 1 or height < 1 or width * height > MOST_PIXELS:
-            raise ValueError(f"its {name} is {width} x {height}, at most {MOST_PIXELS} pixels are allowed")
+        check_pixels(width, height, channels, size, f"its {name}")
+    if tiles is not None:  # a tile is opened whole, however little of it lies in the picture
+        check_pixels(tiles.xSize, tiles.ySize, channels, size, "its tile")
 
 
 def _picture(parts: list) -> np.ndarray:

@@ -1,5 +1,7 @@
 """Footage: a video or an image sequence, read by frame number."""
 
+import errno
+import os
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
@@ -93,6 +95,8 @@ def open_footage(source: str | Path, *, first_frame: int = 1) -> Footage:
     """
     path = Path(source).expanduser()
     suffix = path.suffix.lower()
+    if not suffix and not path.exists():
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(source))
     if not path.is_dir() and suffix not in IMAGE_SUFFIXES + VIDEO_SUFFIXES:
         known = f"images ({' '.join(IMAGE_SUFFIXES)}), videos ({' '.join(VIDEO_SUFFIXES)})"
         raise ValueError(f"{source} is neither a folder nor of a known kind: {known}")

@@ -4,12 +4,13 @@ The format is that of Ward's Radiance: a header of text, then rows of pixels of 
 in the old or the new way. A mantissa m and an exponent e are ``m 2^(e - 136)``, as image libraries read it.
 """
 
+import math
 import re
 from pathlib import Path
 
 import numpy as np
 
-from warpfluid.files.exr import MOST_PIXELS
+from warpfluid.files.limits import check_pixels
 
 HEADER_BYTES = 1 << 16  # a header that is longer is none
 NEW_WIDTHS = range(8, 1 << 15)  # of rows that may be encoded in the new way
@@ -39,8 +40,9 @@ def read_hdr(path: str | Path) -> np.ndarray:
     except ValueError as error:
         raise ValueError(f"{path} cannot be read: {error}") from error
     pixels = np.stack(rows)
-    scale = np.ldexp(np.float32(1), pixels[..., 3:].astype(np.int32) - 136) / np.float32(exposure)
-    light = np.where(pixels[..., 3:] > 0, pixels[..., :3] * scale, np.float32(0))
+    with np.errstate(over="ignore"):
+        scale = (np.ldexp(1.0, pixels[..., 3:].astype(np.int32) - 136) / exposure).astype(np.float32)
+        light = np.where(pixels[..., 3:] > 0, pixels[..., :3] * scale, np.float32(0))
     return np.ascontiguousarray(_upright(light, axes[0][0], axes[1][0]), np.float32)
 
 
@@ -56,15 +58,14 @@ def _read_header(data: bytes) -> tuple[float, list[tuple[str, int]], int]:
     if settings.get("FORMAT", "32-bit_rle_rgbe") != "32-bit_rle_rgbe":
         raise ValueError(f"its format is {settings['FORMAT']}, expected 32-bit_rle_rgbe: convert it")
     exposures = re.findall(r"^EXPOSURE\s*=\s*(\S+)", header.decode("latin-1"), re.MULTILINE)
-    exposure = float(np.prod([float(text) for text in exposures]))
-    if not 0 < exposure < np.inf:
+    exposure = math.prod(float(text) for text in exposures)
+    if not 1e-30 < exposure < 1e30:
         raise ValueError(f"its exposure is {exposure}")
     if not re.fullmatch(rb"[-+](Y \d{1,9} [-+]X|X \d{1,9} [-+]Y) \d{1,9}", size):
         raise ValueError(f"its size is {size[:40]!r}, expected a line such as -Y 512 +X 1024")
     words = size.decode().split()
     axes = [(words[0], int(words[1])), (words[2], int(words[3]))]
-    if min(axes[0][1], axes[1][1]) < 1 or axes[0][1] * axes[1][1] > MOST_PIXELS:
-        raise ValueError(f"its size is {axes[0][1]} x {axes[1][1]}, at most {MOST_PIXELS} pixels are allowed")
+    check_pixels(axes[0][1], axes[1][1], 3, len(data))
     return exposure, axes, len(header) + len(blank) + len(size) + 1
 
 

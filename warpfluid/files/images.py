@@ -14,9 +14,13 @@ from typing import Literal
 import numpy as np
 
 from warpfluid.files.atomic import replacing
-from warpfluid.files.exr import MOST_PIXELS, read_exr
+from warpfluid.files.exr import read_exr
+from warpfluid.files.limits import check_pixels
 
 IMAGE_SUFFIXES = (".bmp", ".exr", ".jpeg", ".jpg", ".png", ".tif", ".tiff", ".webp")
+
+# Pillow goes by what is in a file, and has formats that it opens with other programs.
+PILLOW_FORMATS = ("BMP", "JPEG", "PNG", "TIFF", "WEBP")
 
 Depth = Literal["8 bit", "16 bit", "float"]
 
@@ -139,17 +143,11 @@ def _decode(data: bytes, suffix: str) -> np.ndarray:
     return _decode_with_pillow(data)
 
 
-def _check_size(width: int, height: int) -> None:
-    """Refuse a picture that would take all memory before it is decoded."""
-    if width * height > MOST_PIXELS:
-        raise ValueError(f"it claims {width} x {height} pixels, more than the {MOST_PIXELS} that are allowed")
-
-
 def _decode_with_pillow(data: bytes) -> np.ndarray:
     from PIL import Image, ImageOps
 
-    with Image.open(BytesIO(data)) as image:
-        _check_size(*image.size)
+    with Image.open(BytesIO(data), formats=PILLOW_FORMATS) as image:
+        check_pixels(*image.size, len(image.getbands()), len(data))
         if image.format in ("PNG", "WEBP") and getattr(image, "is_animated", False):
             raise ValueError("it is an animation: convert it to a video or to numbered images")
         if image.mode == "F" or image.mode.startswith("I;16"):
@@ -163,7 +161,7 @@ def _decode_deep_png(data: bytes) -> np.ndarray:
     """Decode a PNG of 16 bits with FFmpeg's decoder, whose planes hold the very samples of the file."""
     import av
 
-    _check_size(*struct.unpack(">II", data[16:24]))
+    check_pixels(*struct.unpack(">II", data[16:24]), {0: 1, 2: 3, 4: 2}.get(data[25], 4), len(data))
     frames = av.CodecContext.create("png", "r").decode(av.Packet(data))
     if not frames:
         raise ValueError("the file is cut off")
@@ -182,7 +180,7 @@ def _decode_tiff(data: bytes) -> np.ndarray:
         if not len(file.pages):
             raise ValueError("the file is cut off")
         page = file.pages[0]
-        _check_size(page.imagewidth, page.imagelength)
+        check_pixels(page.imagewidth, page.imagelength * page.imagedepth, page.samplesperpixel, len(data))
         deep_grey = page.samplesperpixel == 1 and page.dtype in (np.uint16, np.float32)
         if page.bitspersample <= 8 or deep_grey:
             return _decode_with_pillow(data)

@@ -5,6 +5,7 @@ What headers say is held against these limits before memory is taken. Files of h
 
 SMALL = 2**27  # bytes that any file may open to: a picture of 4096 x 2160, whatever packed it
 MOST_A_BYTE = 2**13  # bytes that a byte may open to: zlib reaches 1032, the DWAB of black OpenEXR pictures 7000
+MOST_PIXELS = 2**26  # 8192 x 8192: a picture that claims more is damaged or a trap
 EMPTY = 2**27  # numbers that volumes may hold without any that is not empty
 TRUSTED = 2**29  # the same of a file with a checksum
 VOXELS_AN_ACTIVE = 1000  # of the box around active voxels
@@ -24,6 +25,24 @@ def check_promise(promised: float, size: int) -> None:
         raise ValueError(
             f"the file is damaged: it promises {promised / 1e6:.0f} MB and is {size / 1e3:.1f} kB; write it again"
         )
+
+
+def check_pixels(width: int, height: int, channels: int, size: int, what: str = "its size") -> None:
+    """Refuse a picture that is too large, or that its file cannot hold.
+
+    Args:
+        width: Columns.
+        height: Rows.
+        channels: Numbers of a pixel.
+        size: Of the file [byte].
+        what: What the width and height are of.
+
+    Raises:
+        ValueError: If it is; it does not know the file's name.
+    """
+    if min(width, height) < 1 or width * height > MOST_PIXELS:
+        raise ValueError(f"{what} is {width} x {height}, at least one and at most {MOST_PIXELS} pixels are allowed")
+    check_promise(4 * width * height * channels, size)
 
 
 def check_box(numbers: int, active: int, trusted: bool = False) -> None:

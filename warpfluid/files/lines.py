@@ -1,8 +1,14 @@
-"""Records, a line of JSON each, that only ever grow: whatever ends a run, what was written before it is there."""
+"""Records, a line of JSON each, that only ever grow: whatever ends a run, what was written before it is there.
+
+Every line ends in a checksum of what stands before it, so that a byte that flipped later is noticed.
+"""
 
 import json
 import os
+import zlib
 from pathlib import Path
+
+CHECK = "crc"
 
 
 def read_lines(path: str | Path) -> list[dict]:
@@ -11,10 +17,20 @@ def read_lines(path: str | Path) -> list[dict]:
     for line in path.read_bytes().splitlines() if path.exists() else ():
         try:
             record = json.loads(line)
-        except ValueError:  # the run was stopped while it wrote this line
+        except (ValueError, RecursionError):  # the run was stopped while it wrote this line, or it is damaged
             continue
-        found += [record] if isinstance(record, dict) else []
+        if isinstance(record, dict) and record.pop(CHECK, None) in (None, _checksum(record)):
+            found.append(record)
     return found
+
+
+def line_of(record: dict) -> bytes:
+    """Return a record as a line.
+
+    Raises:
+        ValueError: If the record holds what JSON lacks.
+    """
+    return json.dumps(record | {CHECK: _checksum(record)}, allow_nan=False).encode() + b"\n"
 
 
 def append_line(path: str | Path, record: dict) -> None:
@@ -24,10 +40,14 @@ def append_line(path: str | Path, record: dict) -> None:
         OSError: If the file cannot be written.
         ValueError: If the record holds what JSON lacks.
     """
-    line = json.dumps(record, allow_nan=False).encode()
+    line = line_of(record)
     with Path(path).open("a+b") as file:
         file.seek(max(file.seek(0, os.SEEK_END) - 1, 0))
         half = file.read(1) not in (b"", b"\n")
-        file.write(b"\n" * half + line + b"\n")
+        file.write(b"\n" * half + line)
         file.flush()
         os.fsync(file.fileno())
+
+
+def _checksum(record: dict) -> str:
+    return f"{zlib.crc32(json.dumps(record).encode()):08x}"

@@ -70,10 +70,9 @@ def _join(vertices: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.n
     """Join vertices at one place; drop triangles that have lost a corner, and vertices that nothing names."""
     if not len(triangles):
         return vertices, triangles
-    size = np.ptp(vertices.astype(np.float64), axis=0).max()
-    cells = np.rint(
-        (vertices - vertices.min(axis=0).astype(np.float64)) / max(NEAR * size, np.finfo(np.float32).tiny)
-    ).astype(np.int64)
+    places = vertices.astype(np.float64) - vertices.min(axis=0)
+    near = max(NEAR * places.max(), np.finfo(np.float32).tiny)
+    cells = np.rint(places / near).astype(np.int64)
     _, first, place = np.unique(cells, axis=0, return_index=True, return_inverse=True)
     triangles = first[place.reshape(-1)[triangles]]
     a, b, c = triangles.T

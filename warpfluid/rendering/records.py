@@ -4,13 +4,12 @@
 """
 
 import dataclasses
-import json
 from collections.abc import Iterable
 from pathlib import Path
 
 from warpfluid.errors import writing
 from warpfluid.files.atomic import replacing
-from warpfluid.files.lines import append_line, read_lines
+from warpfluid.files.lines import append_line, line_of, read_lines
 from warpfluid.files.sequences import before_number
 from warpfluid.footage.sources import file_hash
 from warpfluid.options import CameraOptions, LightOptions, RenderOptions
@@ -87,7 +86,7 @@ class PictureRecords:
 
     def _write(self, lines: list[dict]) -> None:
         with writing(self.path), replacing(self.path) as file:
-            file.write("".join(json.dumps(line) + "\n" for line in lines).encode())
+            file.write(b"".join(map(line_of, lines)))
 
 
 def made_with(camera: CameraOptions, light: LightOptions, options: RenderOptions, look: str, scale: float) -> dict:
