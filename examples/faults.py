@@ -64,8 +64,8 @@ def workers(run: subprocess.Popen) -> list[int]:
     found = []
     for path in Path("/proc").glob("[0-9]*/stat"):
         with contextlib.suppress(OSError):
-            parent = int(path.read_text().rsplit(")", 1)[1].split()[1])
-            if parent == run.pid and b"spawn_main" in (path.parent / "cmdline").read_bytes():
+            state, parent = path.read_text().rsplit(")", 1)[1].split()[:2]
+            if int(parent) == run.pid and state != "Z" and b"spawn_main" in (path.parent / "cmdline").read_bytes():
                 found.append(int(path.parent.name))
     return found
 

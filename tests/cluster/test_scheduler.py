@@ -75,13 +75,15 @@ def when(folder: Path, count: int, do) -> threading.Thread:
     return thread
 
 
-def kill_a_worker(nanny):
+def kill_a_worker(nanny) -> int | None:
+    """Kill one that is alive, and return its process id."""
     for path in Path("/proc").glob("[0-9]*/stat"):
         with contextlib.suppress(OSError):
-            parent = int(path.read_text().rsplit(")", 1)[1].split()[1])
-            if parent == nanny.pid and b"spawn_main" in (path.parent / "cmdline").read_bytes():
+            state, parent = path.read_text().rsplit(")", 1)[1].split()[:2]
+            if int(parent) == nanny.pid and state != "Z" and b"spawn_main" in (path.parent / "cmdline").read_bytes():
                 os.kill(int(path.parent.name), signal.SIGKILL)
-                return
+                return int(path.parent.name)
+    return None
 
 
 def test_a_cluster_makes_the_bits_of_one_process(ready, tmp_path, flags, monkeypatch, capsys):
@@ -90,9 +92,12 @@ def test_a_cluster_makes_the_bits_of_one_process(ready, tmp_path, flags, monkeyp
     monkeypatch.chdir(tmp_path)
     flags = quick("--front", "front", "--side", "side", *BARE, *PIECES)
     assert run("reconstruct", *flags, "-o", "one") == 0
-    killing = when(tmp_path / "two", 2, lambda: kill_a_worker(nanny))
+    killed = []
+    killing = when(tmp_path / "two", 2, lambda: killed.append((kill_a_worker(nanny), len(volumes(tmp_path / "two")))))
     assert run("reconstruct", *flags, "-o", "two", "--cluster", address) == 0
     killing.join()
+    assert killed[0][0]
+    assert killed[0][1] < len(FRAMES)
     assert volumes(tmp_path / "two") == volumes(tmp_path / "one")
     assert sorted(numbers(tmp_path / "two")) == list(FRAMES)
     for name, more in (("a", ()), ("b", ("--cluster", address))):
