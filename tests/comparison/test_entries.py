@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from plumes import HEIGHT, WIDTH, entries, plume, write
 
-from warpfluid.comparison.entries import common_frames, make_entries, same_units, short_names, squared
-from warpfluid.volumes import open_volumes
+from warpfluid.comparison.entries import common_frames, make_entries, same_units, short_names
+from warpfluid.volumes import boxed, open_volumes, squared
 
 
 def test_units_of_other_programs(tmp_path):
@@ -50,6 +50,9 @@ def test_boxes_that_are_not_square(tmp_path):
     np.testing.assert_array_equal(square[2:7], volume)
     assert square.shape == (9, 9, 4)
     assert square.sum() == pytest.approx(volume.sum())
+    assert squared(square) is square
+    assert boxed(volume, (9, 9, 3)) is None
+    np.testing.assert_array_equal(boxed(volume, (6, 10, 7))[0:5, 0:9, :4], volume)
     (entry,) = make_entries([open_volumes(write(tmp_path / "slim", lambda frame: plume(frame)[4:-4]))])
     assert entry.shape == (WIDTH, WIDTH, HEIGHT)
 

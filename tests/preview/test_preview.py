@@ -12,7 +12,7 @@ from warpfluid.files.npz import write_npz
 from warpfluid.footage.origin import find_footage
 from warpfluid.options import PreviewOptions
 from warpfluid.preview import show
-from warpfluid.preview.scene import open_scene, squared
+from warpfluid.preview.scene import open_scene
 from warpfluid.rendering.ramps import RAMPS
 from warpfluid.rendering.turntable import render_turntable
 
@@ -57,12 +57,6 @@ def test_the_still_picture_is_the_turntable(footage_run):
     np.testing.assert_array_equal(open_scene(footage_run).still(), render_turntable(density, [0], "fire")[0])
     brighter = open_scene(footage_run, PreviewOptions(angle=30, exposure=1)).still()
     np.testing.assert_array_equal(brighter, render_turntable(2 * density, [30], "fire")[0])
-
-
-def test_boxes_are_made_square():
-    """What is not as wide as deep stands in the middle of what is."""
-    assert squared(np.ones((3, 8, 2))).shape == (8, 8, 2)
-    assert squared(np.ones((3, 8, 2)))[2:5].sum() == 48
 
 
 def test_footage_is_found(footage_run, solid_run, tmp_path):

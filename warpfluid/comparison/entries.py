@@ -11,7 +11,7 @@ from warpfluid.files.sequences import format_frames
 from warpfluid.footage.origin import find_origin
 from warpfluid.settings import make_simulate_settings
 from warpfluid.simulation.animation import is_edited
-from warpfluid.volumes import VolumeSequence
+from warpfluid.volumes import VolumeSequence, squared
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,13 +128,6 @@ def short_names(paths: Sequence[str]) -> list[str]:
         if len(set(names)) == len(names):
             return names
     return [f"{name} ({i})" for i, name in enumerate(names, 1)]
-
-
-def squared(volume: np.ndarray) -> np.ndarray:
-    """Return a volume in the middle of a box as deep as wide."""
-    width = max(volume.shape[:2])
-    room = [width - n for n in volume.shape[:2]]
-    return np.pad(volume, [(r // 2, r - r // 2) for r in room] + [(0, 0)]) if any(room) else volume
 
 
 def first(entry: Entry) -> int:

@@ -14,7 +14,7 @@ from warpfluid.rendering.surfaces import Surface
 from warpfluid.rendering.turntable import render_turntable
 from warpfluid.run import RECORDS, Run
 from warpfluid.simulation.outlines import Outline, Outlines
-from warpfluid.volumes import VolumeSequence, open_volumes
+from warpfluid.volumes import VolumeSequence, open_volumes, squared
 
 USUAL_RATE = 24.0  # frames a second where nothing says another
 USUAL_LOOK = "fire"
@@ -120,13 +120,6 @@ def open_scene(source: str | Path, options: PreviewOptions | None = None) -> Sce
         elevation_deg=options.elevation,
         exposure=options.exposure,
     )
-
-
-def squared(density: np.ndarray) -> np.ndarray:
-    """Put empty space about a volume that is not as wide as deep, so that it can turn."""
-    width, depth, _ = density.shape
-    spare = [max(width, depth) - n for n in (width, depth)]
-    return np.pad(density, [*((n // 2, n - n // 2) for n in spare), (0, 0)])
 
 
 def _means(run: Run, frames: Sequence[int]) -> dict[str, str]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpfluid.options import USUAL_SIZE
-from warpfluid.volumes import VolumeSequence, open_volumes
+from warpfluid.volumes import VolumeSequence, boxed, open_volumes
 
 FULL = 0.99  # quantile of the density that counts as full
 WIDE = 4.0  # heights of a box are this many widths of a usual plume
@@ -40,7 +40,7 @@ class Source:
             ValueError: If its file is damaged, holds no density or has another size.
             OSError: If it cannot be read.
         """
-        volume = _fit(_resample(self.volumes.density(frame), self.resolution_scale), self.shape)
+        volume = boxed(_resample(self.volumes.density(frame), self.resolution_scale), self.shape)
         if volume is None:
             path = self.volumes.files[frame]
             raise ValueError(f"{path}: the volume is larger than that of frame {self.frames[0]}")
@@ -95,13 +95,3 @@ def _resample(volume: np.ndarray, factor: float) -> np.ndarray:
     from scipy.ndimage import zoom
 
     return np.maximum(zoom(volume, factor, order=1, mode="nearest", grid_mode=True), 0) / np.float32(factor)
-
-
-def _fit(volume: np.ndarray, shape: tuple[int, int, int]) -> np.ndarray | None:
-    """Return a volume in the middle of a box, on its floor; None if it is larger."""
-    room = [n - m for n, m in zip(shape, volume.shape, strict=True)]
-    if min(room) < 0:
-        return None
-    return np.pad(
-        volume, [(room[0] // 2, room[0] - room[0] // 2), (room[1] // 2, room[1] - room[1] // 2), (0, room[2])]
-    )

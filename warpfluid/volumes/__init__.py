@@ -1,5 +1,6 @@
 """Sequences of volumes on disk: a run of ours, or files of another program."""
 
+from warpfluid.volumes.boxes import boxed, squared
 from warpfluid.volumes.find import ENDINGS, find_volumes
 from warpfluid.volumes.lattice import Lattice, join, lattice_of, lit_part
 from warpfluid.volumes.reading import file_facts, read_density, read_grids
@@ -10,6 +11,7 @@ __all__ = [
     "EXPORT",
     "Lattice",
     "VolumeSequence",
+    "boxed",
     "file_facts",
     "find_volumes",
     "join",
@@ -18,4 +20,5 @@ __all__ = [
     "open_volumes",
     "read_density",
     "read_grids",
+    "squared",
 ]
