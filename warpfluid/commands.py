@@ -49,11 +49,11 @@ def reconstruct(
     settings = dataclasses.replace(settings, input=footage, reconstruct=inspection.options)
     if resume:
         check_footage(run, shot, settings)
-    for line in inspection.lines():
-        log.line(line)
     with reach(asked, need=inspection.memory_bytes, folder=run.folder, say=log.line) as crew:
         facts = {"device": str(device), "inputs": shot.background_hashes()}
         done = run.begin(settings, facts, resume=resume, overwrite=overwrite)
+        for line in inspection.lines():
+            log.line(line)
         facts = {"need": inspection.memory_bytes, "debug_dir": debug_dir}
         work = Work(run=run, shot=shot, settings=settings, records=done, **facts)
         reconstruct_frames(work, crew, device, log)

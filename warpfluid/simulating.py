@@ -4,12 +4,12 @@ import json
 import re
 import shlex
 from dataclasses import asdict, dataclass
+from functools import partial
 from importlib.resources import files
 from pathlib import Path
 
 from warpfluid.errors import Problems, describe
 from warpfluid.files.sequences import parse_frames
-from warpfluid.options import USUAL_SIZE
 from warpfluid.outcome import conclude, do_all
 from warpfluid.presets import preset_names, preset_settings
 from warpfluid.progress import Progress, say_left
@@ -42,9 +42,7 @@ class Asked:
     output: object
 
 
-def simulate(
-    asked: Asked, out: Path, *, paper: bool, document: dict, resume: bool, overwrite: bool, common
-) -> int:
+def simulate(asked: Asked, out: Path, *, paper: bool, document: dict, resume: bool, overwrite: bool, common) -> int:
     """Simulate into a folder; return the exit code."""
     from warpfluid.device import pick_device
 
@@ -96,17 +94,20 @@ def _flag(option: str, value) -> str:
 
 def _settle(asked: Asked, paper: bool, document: dict) -> tuple[SimulateSettings, Source]:
     """Return settings and source, each with the other's say."""
-    size = _size(asked.size) if asked.size else tuple(document.get("size", ())) or None
+    problems = Problems()
+    size = problems.attempt(_size, asked.size) if asked.size else tuple(document.get("size", ())) or None
     name = asked.source or document.get("source")
     if name and asked.size:
-        raise ValueError("size is for an empty box, and there is a source: use --resolution-scale")
+        problems.append("size is for an empty box, and there is a source: use --resolution-scale")
+    volumes = problems.attempt(open_volumes, name) if name else None
     chosen = {"size": size, "preset": asked.preset, "paper": paper, "document": document}
-    volumes = open_volumes(name) if name else None
     if volumes and "output" not in document:
         chosen["source_output"] = asdict(volumes.output)
-    settings = make_simulate_settings(asked.source, asked.method, asked.output, asked.things, **chosen)
+    make = partial(make_simulate_settings, **chosen)
+    settings = problems.attempt(make, asked.source, asked.method, asked.output, asked.things)
+    problems.raise_if_any()
     scale = settings.simulate.resolution_scale
-    source = fill_box(volumes, scale) if volumes else empty_box(size or USUAL_SIZE, scale)
+    source = fill_box(volumes, scale) if volumes else empty_box(settings.size, scale)
     if not name and not any(settings.scene.emitter):
         raise ValueError("there is nothing to simulate: name a run or volumes, a --preset, or an --emitter")
     if len(source.frames) > 1 and settings.simulate.time_scale != 1:

@@ -56,7 +56,9 @@ def main(arguments: list[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except cyclopts.CycloptsError as error:
-        return _fail(_usage(error), 2)
+        from warpfluid.cli.usage import usage_problems  # which nobody needs who makes no mistake
+
+        return _fail("\n".join(dict.fromkeys(usage_problems(app, arguments, error))), 2)
     except Exception as error:
         if verbose:
             traceback.print_exc()
@@ -75,13 +77,3 @@ def _versions() -> str:
 def _fail(message: str, code: int) -> int:
     print("\n".join(f"error: {line}" for line in message.splitlines()), file=sys.stderr)
     return code
-
-
-def _usage(error: cyclopts.CycloptsError) -> str:
-    """Return what is wrong with a command line, and the way out."""
-    if isinstance(error, cyclopts.UnusedCliTokensError):
-        rest = " ".join(error.unused_tokens or ())
-        if list(error.command_chain or ())[:1] == ["simulate"]:
-            return f"there is no place for {rest!r}: write what belongs together in quotes, --force 'drag strength=2'"
-        return f"there is no place for {rest!r}: footage follows --view ANGLE=, --front or --side"
-    return str(error)

@@ -1,12 +1,13 @@
 """``warpfluid compare``: results against each other and the truth."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated, get_args
 
 from cyclopts import Parameter
 
 from warpfluid.cli.app import app
-from warpfluid.cli.configured import configure
+from warpfluid.cli.configured import check_volumes, configure
 from warpfluid.cli.flags import COMMON, Common, ConfigFlag, make_flags
 from warpfluid.options import CompareOptions
 
@@ -32,8 +33,8 @@ def compare(
 ) -> int:
     """Measure results against the truth or their footage, with floors; show them side by side."""
     from warpfluid import comparing
-    from warpfluid.settings import make_options
 
     chosen = configure(common, config)
-    options = make_options(CompareOptions, chosen.document.get("compare", {}), choices)
+    options = chosen.options(CompareOptions, "compare", choices)
+    chosen.refuse(partial(check_volumes, *results, truth))
     return comparing.compare(results, truth, options, out or (), chosen.common)

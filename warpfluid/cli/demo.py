@@ -22,4 +22,6 @@ def demo(
     """Reconstruct a packaged fire from its front and its side: volumes, turntable and report."""
     from warpfluid import commands
 
-    return commands.demo(out, configure(common).common)
+    chosen = configure(common)
+    chosen.refuse()
+    return commands.demo(out, chosen.common)

@@ -11,4 +11,5 @@ def doctor(*, cluster: ClusterFlag = None, common: Common = COMMON) -> int:
     from warpfluid import commands
 
     chosen = configure(common, cluster=cluster)
+    chosen.problems.raise_if_any()
     return commands.doctor(chosen.cluster, chosen.common)

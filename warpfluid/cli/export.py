@@ -1,12 +1,13 @@
 """``warpfluid export``: volumes in another format."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated, get_args
 
 from cyclopts import Parameter
 
 from warpfluid.cli.app import app
-from warpfluid.cli.configured import configure
+from warpfluid.cli.configured import check_volumes, configure
 from warpfluid.cli.flags import COMMON, Common, ConfigFlag, SourceArgument, make_flags
 from warpfluid.options import ExportOptions
 
@@ -27,10 +28,10 @@ def export(
 ) -> int:
     """Write volumes for Blender, Houdini, Maya, Omniverse, ParaView or NumPy."""
     from warpfluid import exporting
-    from warpfluid.settings import make_options
 
-    if out is None:
-        raise ValueError("no folder is given for the files: add -o FOLDER")
     chosen = configure(common, config)
-    options = make_options(ExportOptions, chosen.document.get("export", {}), choices)
+    if out is None:
+        chosen.problems.append("no folder is given for the files: add -o FOLDER")
+    options = chosen.options(ExportOptions, "export", choices)
+    chosen.refuse(partial(check_volumes, source))
     return exporting.export(source, out, options, resume=resume, overwrite=overwrite, common=chosen.common)

@@ -22,13 +22,21 @@ def _whole_number(_, tokens) -> int:
         raise ValueError(f"{tokens[0].value!r} is not a whole number") from error
 
 
+def _number(_, tokens) -> float:
+    try:
+        return float(tokens[0].value)
+    except ValueError as error:
+        raise ValueError(f"{tokens[0].value!r} is not a number") from error
+
+
 def make_flags(options: type, title: str, order: int) -> type:
     """Make the flags of an options class: all unset, with the defaults in the help."""
     hints, made = get_type_hints(options, include_extras=True), []
     for option in fields(options):
         kind, text = get_args(hints[option.name])[:2]
         default = False if option.default is None else lambda _, value=option.default: spell(value)
-        convert = _whole_number if int in (kind, *get_args(kind)) else None
+        kinds = {kind, *get_args(kind)} - {type(None)}
+        convert = _whole_number if int in kinds else _number if float in kinds and str not in kinds else None
         vector = option.name in VECTORS or option.name.startswith("view_")  # -1,0,0 and -60=2 look like flags
         flag = Annotated[
             _flag_type(option.name, kind),
@@ -41,7 +49,8 @@ def make_flags(options: type, title: str, order: int) -> type:
             ),
         ]
         made.append((option.name, flag, field(default=None)))
-    flags = make_dataclass(f"{options.__name__}Flags", made, frozen=True, kw_only=True)
+    namespace = {"OPTIONS": options}
+    flags = make_dataclass(f"{options.__name__}Flags", made, frozen=True, kw_only=True, namespace=namespace)
     flags.__module__ = __name__  # without a module of ours cyclopts takes it for one opaque value
     return Annotated[flags, Parameter(name="*", group=Group(title, sort_key=order))]
 
@@ -137,13 +146,7 @@ def named_views(front: str | None, side: str | None) -> list[str]:
 
 
 def settings_of_run(out: Path | None, config: Path | None, *, resume: bool) -> Path | None:
-    """Return where the settings of a run come from: what is not said again when it is continued stays as it was.
-
-    Raises:
-        ValueError: If no folder is named for the run.
-    """
-    if out is None:
-        raise ValueError("no folder is given for the run: add -o FOLDER")
-    if resume and config is None and (out / "run.toml").is_file():
+    """Return where the settings of a run come from: what is not said again when it is continued stays as it was."""
+    if out and resume and config is None and (out / "run.toml").is_file():
         return out / "run.toml"
     return config

@@ -1,12 +1,13 @@
 """``warpfluid flow``: the motion in footage."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
 from warpfluid.cli.app import app
-from warpfluid.cli.configured import configure
+from warpfluid.cli.configured import check_views, configure
 from warpfluid.cli.flags import (
     COMMON,
     NO_INPUT,
@@ -37,8 +38,11 @@ def flow(
 ) -> int:
     """Measure the motion in footage and write it: numbers as EXR, colours as PNG."""
     from warpfluid import commands
+    from warpfluid.settings import make_settings
 
     views = [*(view or []), *named_views(front, side)]
     chosen = configure(common, config)
-    settings = commands.make_settings(views, footage, None, None, document=chosen.document)
+    make = partial(make_settings, document=chosen.document)
+    settings = chosen.problems.attempt(make, views, footage, None, None)
+    chosen.refuse(partial(check_views, views))
     return commands.flow(settings, out, flow, chosen.common)

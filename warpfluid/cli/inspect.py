@@ -1,12 +1,13 @@
 """``warpfluid inspect``: what is understood of footage, and what a file is."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
 from warpfluid.cli.app import app
-from warpfluid.cli.configured import configure
+from warpfluid.cli.configured import check_views, configure
 from warpfluid.cli.flags import (
     COMMON,
     NO_INPUT,
@@ -42,6 +43,7 @@ def inspect(
 ) -> int:
     """Show what is understood of footage: sizes, frames, levels, agreement, cost; or what files are."""
     from warpfluid import commands
+    from warpfluid.settings import make_settings
 
     views = [*(view or []), *named_views(front, side)]
     if files:
@@ -52,5 +54,7 @@ def inspect(
 
         return explain_files(files, common)
     chosen = configure(common, config)
-    settings = commands.make_settings(views, footage, method, None, paper=paper, document=chosen.document)
+    make = partial(make_settings, paper=paper, document=chosen.document)
+    settings = chosen.problems.attempt(make, views, footage, method, None)
+    chosen.refuse(partial(check_views, views))
     return commands.inspect(settings, picture, chosen.common)

@@ -1,12 +1,13 @@
 """``warpfluid preview``: volumes in a window, or in a page for the browser."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated, get_args
 
 from cyclopts import Parameter
 
 from warpfluid.cli.app import app
-from warpfluid.cli.configured import configure
+from warpfluid.cli.configured import check_volumes, configure
 from warpfluid.cli.flags import COMMON, Common, ConfigFlag, SourceArgument, make_flags
 from warpfluid.options import PreviewOptions
 
@@ -26,8 +27,8 @@ def preview(
 ) -> int:
     """Look at volumes: turn them, play them, and see what stands about them."""
     from warpfluid.preview import show
-    from warpfluid.settings import make_options
 
     chosen = configure(common, config)
-    options = make_options(PreviewOptions, chosen.document.get("preview", {}), choices)
+    options = chosen.options(PreviewOptions, "preview", choices)
+    chosen.refuse(partial(check_volumes, source))
     return show.preview(source, options, html=html, screenshot=screenshot, common=chosen.common)

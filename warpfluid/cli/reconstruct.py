@@ -1,12 +1,13 @@
 """``warpfluid reconstruct``: footage becomes volumes."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
 from warpfluid.cli.app import app
-from warpfluid.cli.configured import configure
+from warpfluid.cli.configured import check_run, check_views, configure
 from warpfluid.cli.flags import (
     COMMON,
     NO_INPUT,
@@ -51,10 +52,14 @@ def reconstruct(
 ) -> int:
     """Make a volume sequence of the footage of one or more views."""
     from warpfluid import commands
+    from warpfluid.settings import make_settings
 
     config = settings_of_run(out, config, resume=resume)
     views = [*(view or []), *named_views(front, side)]
     chosen = configure(common, config, jobs=jobs, cluster=cluster)
-    settings = commands.make_settings(views, footage, method, output, paper=paper, document=chosen.document)
-    who = {"common": chosen.common, "jobs": chosen.jobs, "cluster": chosen.cluster}
-    return commands.reconstruct(settings, out, resume=resume, overwrite=overwrite, debug_dir=debug_dir, **who)
+    make = partial(make_settings, paper=paper, document=chosen.document)
+    settings = chosen.problems.attempt(make, views, footage, method, output)
+    place = {"resume": resume, "overwrite": overwrite}
+    chosen.problems.attempt(partial(check_run, out, **place))
+    chosen.refuse(partial(check_views, views))
+    return commands.reconstruct(settings, out, debug_dir=debug_dir, **place, **chosen.who)

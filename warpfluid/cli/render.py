@@ -1,14 +1,14 @@
 """``warpfluid render``: pictures and films of volumes."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated, get_args
 
 from cyclopts import Parameter
 
 from warpfluid.cli.app import app
-from warpfluid.cli.configured import configure
+from warpfluid.cli.configured import check_volumes, configure
 from warpfluid.cli.flags import COMMON, ClusterFlag, Common, ConfigFlag, JobsFlag, SourceArgument, make_flags
-from warpfluid.errors import Problems
 from warpfluid.options import CameraOptions, LightOptions, RenderOptions
 
 CameraFlags = make_flags(CameraOptions, "Camera", 2)
@@ -37,15 +37,11 @@ def render(
 ) -> int:
     """Render volumes with light and shadow: films, pictures, and layers for compositing."""
     from warpfluid import picturing
-    from warpfluid.settings import make_options
 
-    if out is None:
-        raise ValueError("no place is given for the pictures: add -o film.mp4, or -o picture.####.exr")
-    problems, made = Problems(), []
     chosen = configure(common, config, jobs=jobs, cluster=cluster)
-    asked = {"camera": (CameraOptions, camera), "light": (LightOptions, light), "render": (RenderOptions, picture)}
-    for section, (options, flags) in asked.items():
-        made.append(problems.attempt(make_options, options, chosen.document.get(section, {}), flags))
-    problems.raise_if_any()
-    who = {"common": chosen.common, "jobs": chosen.jobs, "cluster": chosen.cluster}
-    return picturing.render(source, *made, out, resume=resume, overwrite=overwrite, **who)
+    if out is None:
+        chosen.problems.append("no place is given for the pictures: add -o film.mp4, or -o picture.####.exr")
+    asked = ((CameraOptions, "camera", camera), (LightOptions, "light", light), (RenderOptions, "render", picture))
+    made = [chosen.options(*each) for each in asked]
+    chosen.refuse(partial(check_volumes, source))
+    return picturing.render(source, *made, out, resume=resume, overwrite=overwrite, **chosen.who)

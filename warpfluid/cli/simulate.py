@@ -1,12 +1,13 @@
 """``warpfluid simulate`` and ``warpfluid presets``: volumes flow."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
 from warpfluid.cli.app import app
-from warpfluid.cli.configured import configure
+from warpfluid.cli.configured import check_run, check_volumes, configure
 from warpfluid.cli.flags import (
     COMMON,
     NO_OUTPUT,
@@ -58,8 +59,11 @@ def simulate(
     things = {"emitter": emitter, "obstacle": obstacle, "force": force, "body": body}
     asked = simulating.Asked(source=source, size=size, preset=preset, things=things, method=method, output=output)
     chosen = configure(common, config)
+    place = {"resume": resume, "overwrite": overwrite}
+    chosen.problems.attempt(partial(check_run, out, **place))
+    chosen.refuse(partial(check_volumes, source))
     what = {"paper": paper, "document": chosen.document, "common": chosen.common}
-    return simulating.simulate(asked, out, resume=resume, overwrite=overwrite, **what)
+    return simulating.simulate(asked, out, **place, **what)
 
 
 @app.command

@@ -12,6 +12,7 @@ import numpy as np
 from warpfluid.footage.resampling import move
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)  # Rec. ITU-R BT.709
+SMALLEST = 8  # pixels of a side; below this there is no pyramid to speak of
 LIT = 1.0  # grey level above which a pixel holds light
 ROW_RATIO = 4.0  # rows are scaled by at most this much, either way
 
@@ -69,9 +70,12 @@ class Matting:
 def parse_resolution(text: str) -> tuple[int, int | None]:
     """Return width and height of ``WIDTH`` or ``WIDTHxHEIGHT``; no height keeps the picture's proportions."""
     match = re.fullmatch(r"\s*(\d+)(?:\s*[xX]\s*(\d+))?\s*", text)
-    if not match:
-        raise ValueError(f"--resolution {text!r} is not WIDTH or WIDTHxHEIGHT, such as 256 or 256x144")
-    return int(match[1]), int(match[2]) if match[2] else None
+    sides = [int(side) for side in match.groups() if side] if match else []
+    if not sides or min(sides) < SMALLEST:
+        raise ValueError(
+            f"--resolution {text!r} is not WIDTH or WIDTHxHEIGHT of {SMALLEST} pixels or more, such as 256 or 256x144"
+        )
+    return sides[0], sides[1] if len(sides) > 1 else None
 
 
 def parse_crop(text: str) -> tuple[int, int, int, int]:

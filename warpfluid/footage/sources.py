@@ -10,10 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from warpfluid.footage.alignment import Alignment
-from warpfluid.footage.matting import Matting, parse_crop, parse_resolution
+from warpfluid.footage.matting import SMALLEST, Matting, parse_crop, parse_resolution
 from warpfluid.options import InputOptions
 
-SMALLEST = 8  # pixels; below this there is no pyramid to speak of
 STRETCH = 0.02  # change of proportions that is worth a note
 HASHED_BYTES = 1 << 20
 

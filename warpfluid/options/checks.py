@@ -1,6 +1,7 @@
 """Options against their types and ranges."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import fields
 from typing import get_args, get_type_hints
 
@@ -133,6 +134,8 @@ RANGES = {
     "html_size": (0.2, 2000),
 }
 
+LARGEST = 1e300  # number that any option may be
+
 # Options of three numbers, x,y,z.
 VECTORS = {"gravity", "wind", "center", "size", "rotation", "velocity", "spin", "direction"}
 VECTORS |= {"target", "key_light", "key_color", "ambient_color", "ground_color", "body_color", "backdrop"}
@@ -144,8 +147,12 @@ RAMPED = {"blend", "swirl"}
 WORDS = {"density_dissipation": ("auto",), "distance": ("auto",), "convergence": ("auto",)}
 
 
-def check_options(options) -> None:
+def check_options(options, more: Iterable[str] = ()) -> None:
     """Check every option against its type and range.
+
+    Args:
+        options: Of any class.
+        more: What else is wrong with them, in lines.
 
     Raises:
         ValueError: If any is wrong; one line each.
@@ -176,6 +183,7 @@ def check_options(options) -> None:
         elif bool not in kinds and not _in_range(field.name, value):
             low, high = RANGES[field.name]
             problems.append(f"{name} is {value:.10g}, expected {low:.10g} to {high:.10g}")
+    problems += more
     if problems:
         raise ValueError("\n".join(problems))
 
@@ -221,4 +229,5 @@ def _in_range(field: str, value) -> bool:
 
 def _is_number(value, *, whole: bool) -> bool:
     allowed = int if whole else int | float
-    return isinstance(value, allowed) and not isinstance(value, bool) and math.isfinite(value)
+    sound = isinstance(value, allowed) and not isinstance(value, bool)
+    return sound and abs(value) <= LARGEST  # which leaves out what is not finite

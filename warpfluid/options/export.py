@@ -39,7 +39,6 @@ class ExportOptions:
     fps: Annotated[float | None, "Frames a second of the scene; the run's by default, else 24"] = None
 
     def __post_init__(self):
-        check_options(self)
         problems = []
         if self.half and self.format in ("nvdb", "vti"):
             problems.append(f"half is for vdb, usda, blender and npz; {self.format} has no such kind: leave it out")
@@ -47,8 +46,7 @@ class ExportOptions:
             problems.append("up is z, but .npz volumes are y up always: leave it out")
         if self.plain and self.format != "nvdb":
             problems.append("plain is for nvdb: leave it out")
-        if problems:
-            raise ValueError("\n".join(problems))
+        check_options(self, problems)
 
     @property
     def file_up(self) -> str:

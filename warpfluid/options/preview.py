@@ -29,13 +29,14 @@ class PreviewOptions:
     html_size: Annotated[float, "How large a page may get [MB]; volumes are stored coarser to fit"] = 24.0
 
     def __post_init__(self):
-        check_options(self)
-        unknown = sorted(set(self.parts) - set(PARTS))
+        problems = []
+        unknown = sorted(set(self.parts) - set(PARTS)) if isinstance(self.show, str) else ()
         if unknown:
-            raise ValueError(f"show is {self.show!r}, there is no {unknown[0]!r}: choose from {', '.join(PARTS)}")
-        sides = self.window.split("x")
-        if len(sides) != 2 or not all(side.isdigit() and 16 <= int(side) <= 8192 for side in sides):
-            raise ValueError(f"window is {self.window!r}, expected WIDTHxHEIGHT of 16 to 8192 pixels, such as 1280x800")
+            problems.append(f"show is {self.show!r}, there is no {unknown[0]!r}: choose from {', '.join(PARTS)}")
+        sides = self.window.split("x") if isinstance(self.window, str) else ()
+        if isinstance(self.window, str) and (len(sides) != 2 or not all(map(_is_side, sides))):
+            problems.append(f"window is {self.window!r}, expected WIDTHxHEIGHT of 16 to 8192 pixels, such as 1280x800")
+        check_options(self, problems)
 
     @property
     def parts(self) -> tuple[str, ...]:
@@ -47,3 +48,8 @@ class PreviewOptions:
         """Width and height [pixel]."""
         width, height = self.window.split("x")
         return int(width), int(height)
+
+
+def _is_side(text: str) -> bool:
+    """Return whether a text is a number of pixels that a window may have."""
+    return text.isascii() and text.isdigit() and 16 <= int(text) <= 8192

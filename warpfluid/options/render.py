@@ -108,8 +108,11 @@ class RenderOptions:
     half: Annotated[bool, "Half precision in .exr"] = False
 
     def __post_init__(self):
+        try:
+            self.size()
+        except (ValueError, TypeError) as error:
+            check_options(self, [str(error)] if isinstance(self.resolution, str) else ())
         check_options(self)
-        self.size()
 
     def size(self) -> tuple[int, int] | None:
         """Return the picture's width and height [pixel], None for those of the box.
