@@ -5,63 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import warp as wp
-from scipy import ndimage
+from media import LINE, ONE, VIEWS, noise, on
 
 from warpfluid.projector import Projector
-from warpfluid.rendering import marching
-from warpfluid.rendering.camera import Camera, middle, orthographic, perspective, stereo_pair
+from warpfluid.rendering.camera import Camera, orthographic, perspective, stereo_pair
 from warpfluid.rendering.lighting import Lighting, Sun
 from warpfluid.rendering.marching import march
 from warpfluid.rendering.medium import Curve, Medium
 
-LINE = np.array([0.0, 1.0])
-ONE = np.ones(2)
 ANGLES = [0, 30, 45, 90, 117.3, -52, 180, 270]
-VIEWS = {
-    "level": lambda shape: orthographic(shape, 35, size=(40, 30)),
-    "above": lambda shape: orthographic(shape, -20, 50, size=(30, 40), zoom=1.5),
-    "top": lambda shape: orthographic(shape, 10, 90, size=(24, 24)),
-    "far": lambda shape: perspective(shape, 130, 20, distance=80, field_of_view_deg=35, size=(40, 30)),
-    "inside": lambda shape: perspective(shape, 20, 5, distance=3, field_of_view_deg=90, size=(40, 30)),
-}
-
-
-def on(device, volume):
-    return wp.array(np.ascontiguousarray(volume, np.float32), dtype=float, device=device)
-
-
-def noise(shape, seed=0, sigma=1.5):
-    """Smooth puffs with empty space between them, at most 1."""
-    found = ndimage.gaussian_filter(np.random.default_rng(seed).standard_normal(shape), sigma, mode="constant")
-    found = np.maximum(found, 0)
-    return (found / found.max()).astype(np.float32)
-
-
-def fine(volume, camera, extinction, emission, steps=16, albedo=0.0, light=1.0):
-    """March in equal small steps of the same field: (color, alpha), for one channel.
-
-    Where the marcher reads between planes, so does this; 16 samples a plane.
-    """
-    origins, directions = camera.rays()
-    length = np.linalg.norm(directions, axis=-1)
-    reach = 2 * np.linalg.norm(volume.shape) + np.linalg.norm(camera.eye - middle(volume.shape))
-    pace = np.abs(directions).max(axis=-1).min()
-    depths = (np.arange(0, reach * pace * steps) + 0.5) / (steps * pace)
-    padded = np.pad(volume, 1)
-    color, open_ = np.zeros(length.shape), np.ones(length.shape)
-    for depth in depths:
-        x, y, z = np.moveaxis(origins + depth * directions, -1, 0)
-        inside = (np.abs(x - 0.5 * (volume.shape[0] - 1)) < volume.shape[0]) & (y > -1) & (y < volume.shape[2])
-        if not inside.any():
-            continue
-        field = ndimage.map_coordinates(padded, [x + 1, z + 1, y + 1], order=1, mode="constant")
-        h = length / (steps * pace)
-        lost = extinction(field)
-        kept = np.exp(-lost * h)
-        share = np.where(lost * h > 1e-9, (1 - kept) / np.maximum(lost, 1e-30), h)
-        color += open_ * share * (emission(field) + lost * albedo * light)
-        open_ *= kept
-    return color, 1 - open_
 
 
 @pytest.mark.parametrize("shape", [(23, 23, 17), (8, 8, 8), (1, 1, 1), (16, 16, 3)])
@@ -121,38 +73,6 @@ def test_a_white_furnace_stays_white(view, device):
     assert picture.alpha.max() > 0.9
 
 
-@pytest.mark.parametrize("view", VIEWS)
-@pytest.mark.parametrize("thickness", [0.1, 1.0, 20.0])
-def test_keeps_the_error_bound(view, thickness, device):
-    """Compared with a march 16 times as fine."""
-    volume = noise((20, 20, 13), sigma=2)
-    camera = VIEWS[view](volume.shape)
-    glow = np.array([0, 0.1, 0.3, 1, 0.8])
-    medium = Medium(
-        fields={"density": on(device, volume)},
-        extinction=Curve("density", 1, thickness * LINE),
-        emission=Curve("density", 1, glow),
-    )
-    picture = march(medium, camera, error=1 / 512)
-    color, alpha = fine(volume, camera, lambda f: thickness * f, lambda f: np.interp(f, np.linspace(0, 1, 5), glow))
-    wrong = np.abs(picture.color[..., 0] - color) / np.maximum(1, color)
-    for off in (np.abs(picture.alpha - alpha), wrong):
-        assert np.mean(off > 1 / 512) < 0.02
-        assert off.max() < (24 if thickness > 1 else 4) / 512  # where a ray just touches something hard
-
-
-def test_a_smaller_error_is_kept_too(device):
-    """Intervals are halved as often as they must."""
-    volume = noise((20, 20, 13), sigma=2)
-    camera = VIEWS["above"](volume.shape)
-    medium = Medium(fields={"density": on(device, volume)}, extinction=Curve("density", 1, LINE))
-    _, alpha = fine(volume, camera, lambda f: f, lambda f: 0, steps=48)
-    off = [np.abs(march(medium, camera, error=error).alpha - alpha) for error in (0.5, 0.01, 0.001)]
-    assert off[0].max() > 0.01 > off[1].max()
-    assert np.mean(off[2] > 0.001) < 0.02
-    assert off[2].mean() < 0.25 * off[1].mean()
-
-
 @pytest.mark.parametrize("angle", [0, 25])
 def test_perspective_becomes_orthographic_with_distance(angle, device):
     """The difference falls as one over the distance."""
@@ -166,30 +86,6 @@ def test_perspective_becomes_orthographic_with_distance(angle, device):
         away.append(np.abs(march(medium, camera).alpha - parallel).max())
     assert away[1] < 0.2 * away[0]
     assert away[2] < 0.005
-
-
-@pytest.mark.parametrize("view", VIEWS)
-def test_empty_bricks_change_nothing(view, device, monkeypatch):
-    """Puffs far apart: the same bits without skipping."""
-    volume = noise((41, 37, 29), sigma=3) * (noise((41, 37, 29), seed=4, sigma=3) > 0.5)
-    medium = Medium(
-        fields={"density": on(device, volume)},
-        extinction=Curve("density", 1, LINE),
-        emission=Curve("density", 1, np.array([0, 0, 0.3, 1])),
-    )
-    camera = VIEWS[view](volume.shape)
-    skipping = march(medium, camera)
-    found = marching._bricks
-    assert (found(medium, medium.fields, True, device).numpy() == 0).any()
-
-    def nowhere_dark(*arguments):
-        return on(device, np.maximum(found(*arguments).numpy(), np.finfo(np.float32).tiny))
-
-    monkeypatch.setattr(marching, "_bricks", nowhere_dark)
-    visiting = march(medium, camera)
-    for name in ("color", "alpha", "density", "emission"):
-        np.testing.assert_array_equal(getattr(skipping, name), getattr(visiting, name))
-    np.testing.assert_allclose(skipping.depth, visiting.depth, atol=0.5)
 
 
 @pytest.mark.parametrize("threads", ["1", "2", "5"])

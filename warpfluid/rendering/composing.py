@@ -24,6 +24,7 @@ def render(
     ground: Ground | None = None,
     error: float = ERROR,
     density: bool = True,
+    interpolation: str = "linear",
 ) -> Picture:
     """Render a medium with solid things in it.
 
@@ -38,9 +39,10 @@ def render(
         ground: The ground, if it shows.
         error: As for ``march``.
         density: As for ``march``.
+        interpolation: As for ``march``.
     """
     light = {"lighting": lighting} if inner is None else {"lighting": lighting, **inner.for_march()}
-    options = light | {"error": error, "density": density}
+    options = light | {"error": error, "density": density, "interpolation": interpolation}
     if not surfaces and ground is None:
         return march(medium, camera, **options)
     device = next(iter(medium.fields.values())).device

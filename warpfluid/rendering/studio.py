@@ -74,6 +74,10 @@ class Studio:
         blur = {"velocity"} if self.options.motion_blur else set()
         return {"density"} | inputs - {"speed"} | ({"velocity"} if "speed" in inputs else blur)
 
+    @property
+    def _marching(self) -> dict:
+        return {"error": self.options.error, "interpolation": self.options.interpolation}
+
     def light(self, fields: Mapping[str, np.ndarray], number: float) -> Lit:
         """Put a frame into the light that there is at a picture's number.
 
@@ -101,7 +105,7 @@ class Studio:
                 ``sum`` ignores it.
         """
         if self.look is None:
-            picture = mean_picture(march(medium, camera, error=self.options.error) for medium in lit.moments)
+            picture = mean_picture(march(medium, camera, **self._marching) for medium in lit.moments)
             grey = (picture.density / WHITE)[..., None].repeat(3, axis=2)
             return replace(picture, color=grey, emission=grey)
         options = self.lamps.options
@@ -109,7 +113,7 @@ class Studio:
         colors = {"body": color, "obstacle": OBSTACLE}
         surfaces = [Surface(vertices, triangles, colors[kind]) for vertices, triangles, kind in outlines]
         ground = Ground(lit.medium.shape, tuple(Keyed(options.ground_color, 3).at(number))) if options.ground else None
-        things = {"surfaces": surfaces, "ground": ground, "error": self.options.error}
+        things = {"surfaces": surfaces, "ground": ground, **self._marching}
         shots = (render(medium, camera, lit.lighting, lit.inner, **things) for medium in lit.moments)
         return next(shots) if len(lit.moments) == 1 else mean_picture(shots)
 

@@ -8,14 +8,14 @@ from warpfluid.kernels.launch import launch
 wp.set_module_options({"enable_backward": False})
 
 BRICK = 8  # voxels, a power of two
-OVERLAP = 1  # a ray may leave its brick between two planes, and reads one voxel further
+OVERLAP = 1  # a ray may leave its brick between two planes, and reads linearly one voxel further
 
 GREATEST = f"""
     const int size[3] = {{field.shape[0], field.shape[1], field.shape[2]}}, at[3] = {{x, z, y}};
     int low[3], high[3];
     for (int i = 0; i < 3; ++i) {{
-        low[i] = wp::max({BRICK} * at[i] - {OVERLAP}, 0);
-        high[i] = wp::min({BRICK} * (at[i] + 1) + 1 + {OVERLAP}, size[i]);
+        low[i] = wp::max({BRICK} * at[i] - overlap, 0);
+        high[i] = wp::min({BRICK} * (at[i] + 1) + 1 + overlap, size[i]);
     }}
     float most = 0.0f, bad = 0.0f;
     for (int i = low[0]; i < high[0]; ++i)
@@ -31,24 +31,27 @@ GREATEST = f"""
 
 
 @wp.func_native(snippet=GREATEST)
-def greatest(field: wp.array3d[float], x: int, z: int, y: int, out: wp.array3d[float]):
+def greatest(field: wp.array3d[float], overlap: int, x: int, z: int, y: int, out: wp.array3d[float]):
     """Find the greatest value in and around a brick."""
 
 
 @wp.kernel
-def brick_kernel(first_row: int, first_block: int, field: wp.array3d[float], out: wp.array3d[float]):
+def brick_kernel(first_row: int, first_block: int, field: wp.array3d[float], overlap: int, out: wp.array3d[float]):
     """Find the greatest values of a column of bricks."""
     i, z, j = wp.tid()
     if j == 0:
         for y in range(out.shape[2]):
-            greatest(field, first_row + i, z, y, out)
+            greatest(field, overlap, first_row + i, z, y, out)
 
 
-def brick_maxima(field: wp.array3d[float], *, out: wp.array3d[float] | None = None) -> wp.array3d[float]:
-    """Return the greatest value in every brick of 8 x 8 x 8 voxels and up to two voxels around it, at least 0.
+def brick_maxima(
+    field: wp.array3d[float], *, overlap: int = OVERLAP, out: wp.array3d[float] | None = None
+) -> wp.array3d[float]:
+    """Return the greatest value in every brick of 8 x 8 x 8 voxels and some voxels around it, at least 0.
 
     Args:
         field: Shape (x, z, y).
+        overlap: Voxels around each brick, and one more above it.
         out: Array to write, shape (brick in x, in z, in y).
 
     Returns:
@@ -64,5 +67,5 @@ def brick_maxima(field: wp.array3d[float], *, out: wp.array3d[float] | None = No
     device = checks.same_device(field=field, out=out)
     checks.floats(3, out=out)
     checks.shape(shape, out=out)
-    launch(brick_kernel, (shape[0], shape[1], 1), [field], [out], device)
+    launch(brick_kernel, (shape[0], shape[1], 1), [field, overlap], [out], device)
     return out

@@ -1,6 +1,7 @@
 """March rays through a medium that gives off, hides and scatters light: one pixel a thread, one ray a pixel.
 
-``ray`` says what happens along a ray. Bricks in which there is nothing to meet are skipped, which changes no bit.
+``reading`` says what a ray meets, ``ray`` how it goes on. Bricks in which there is nothing to meet are skipped, which
+changes no bit.
 """
 
 import warp as wp
@@ -8,7 +9,8 @@ import warp as wp
 from warpfluid.kernels import checks
 from warpfluid.kernels.launch import launch
 from warpfluid.kernels.light.bricks import BRICK
-from warpfluid.kernels.light.ray import CAMERA, DARK, ERRORS, GEOMETRY, HALF_WAY, HALVE, MEET, MOST_SUNS, PASS, PLACE
+from warpfluid.kernels.light.ray import CAMERA, DARK, ERRORS, GEOMETRY, HALF_WAY, HALVE, PASS
+from warpfluid.kernels.light.reading import MEET, MOST_SUNS, PLACE
 
 wp.set_module_options({"enable_backward": False})
 
@@ -71,6 +73,7 @@ class Scene:
         camera: Eye, right, up and forward, each (x, z, y), then pixel, shift right and up, and 1 for perspective.
         f0: A field, shape (x, z, y); f1 to f3 are others, or the same again.
         field_count: How many of them differ.
+        cubic: They are read cubically, not linearly.
         density_field: Which of them is summed up unattenuated; -1 for none.
         extinction: Entries of the curve [1/voxel], shape (n, 1); none for no extinction.
         emission: Light given off [1/voxel], shape (n, 3), or none.
@@ -96,6 +99,7 @@ class Scene:
     f2: wp.array3d[float]
     f3: wp.array3d[float]
     field_count: int
+    cubic: bool
     density_field: int
     extinction: wp.array2d[float]
     emission: wp.array2d[float]
