@@ -30,9 +30,10 @@ from warpfluid.options import SimulateOptions
 from warpfluid.simulation import solver
 from warpfluid.simulation.guidance import Motion
 from warpfluid.simulation.physics import Physics
+from warpfluid.simulation.placed import Placed
 from warpfluid.simulation.placing import Placing
 from warpfluid.simulation.pressure import make_incompressible
-from warpfluid.simulation.shapes import Placed, Sphere
+from warpfluid.simulation.shapes import Sphere
 from warpfluid.simulation.solids import build_solids
 from warpfluid.simulation.solver import Solver, Surroundings
 from warpfluid.simulation.state import Faces, FluidState, face_shape, six_sides

@@ -15,7 +15,8 @@ from warpfluid.simulation.drag import flow_around
 from warpfluid.simulation.emitters import Emitter, emit
 from warpfluid.simulation.rigid_body import RigidBody
 from warpfluid.simulation.rigid_motion import advance
-from warpfluid.simulation.shapes import Box, Cylinder, Mesh, Placed, Plane, Sphere
+from warpfluid.simulation.placed import Placed
+from warpfluid.simulation.shapes import Box, Cylinder, Mesh, Plane, Sphere
 from warpfluid.simulation.solids import build_solids, clear, enforce
 from warpfluid.simulation.state import Faces, FluidState, six_sides
 from warpfluid.simulation.triangles import box_surface

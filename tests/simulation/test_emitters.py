@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from warpfluid.simulation.emitters import Emitter, emit, find_outlet
-from warpfluid.simulation.shapes import Box, Cylinder, Mesh, Placed, Plane, Sphere, rotation_of_degrees
+from warpfluid.simulation.placed import Placed, rotation_of_degrees
+from warpfluid.simulation.shapes import Box, Cylinder, Mesh, Plane, Sphere
 from warpfluid.simulation.state import Faces, FluidState
 from warpfluid.simulation.triangles import box_surface
 

@@ -7,9 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from warpfluid.simulation.drag import flow_around
+from warpfluid.simulation.placed import rotation_of_degrees
 from warpfluid.simulation.rigid_body import RigidBody
 from warpfluid.simulation.rigid_motion import advance
-from warpfluid.simulation.shapes import Box, Mesh, Sphere, rotation_of_degrees
+from warpfluid.simulation.shapes import Box, Mesh, Sphere
 from warpfluid.simulation.solids import build_solids
 from warpfluid.simulation.state import Faces, FluidState
 from warpfluid.simulation.triangles import box_surface

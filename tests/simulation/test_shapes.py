@@ -6,7 +6,8 @@ import warp as wp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from warpfluid.simulation.shapes import Box, Cylinder, Mesh, Placed, Plane, Sphere, rotation_of_degrees, signed_distance
+from warpfluid.simulation.placed import Placed, rotation_of_degrees, signed_distance
+from warpfluid.simulation.shapes import Box, Cylinder, Mesh, Plane, Sphere
 from warpfluid.simulation.triangles import box_surface, check_closed, cover, weigh
 
 GRID = (20, 22, 18)

@@ -6,7 +6,8 @@ import warp as wp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from warpfluid.simulation.shapes import Box, Placed, Plane, Sphere, rotation_of_degrees
+from warpfluid.simulation.placed import Placed, rotation_of_degrees
+from warpfluid.simulation.shapes import Box, Plane, Sphere
 from warpfluid.simulation.solids import build_solids, clear, enforce
 from warpfluid.simulation.state import Faces, six_sides
 

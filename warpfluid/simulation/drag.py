@@ -6,7 +6,7 @@ import numpy as np
 import warp as wp
 
 from warpfluid.kernels.fluid.probe import probe
-from warpfluid.simulation.shapes import SWAP
+from warpfluid.simulation.placed import SWAP
 from warpfluid.simulation.state import FluidState
 
 # Where points are, (x, y, z), shape (n, 3): the fluid's velocity there [voxel/s], shape (n, 3), and how heavy it is,

@@ -9,7 +9,8 @@ import warp as wp
 
 from warpfluid.kernels.fluid import emission
 from warpfluid.kernels.poisson import shares
-from warpfluid.simulation.shapes import SWAP, Index, Placed, Plane, signed_distance
+from warpfluid.simulation.placed import SWAP, Index, Placed, signed_distance
+from warpfluid.simulation.shapes import Plane
 from warpfluid.simulation.state import FluidState
 
 

@@ -19,8 +19,8 @@ from warpfluid.options.scene import EVERYWHERE
 from warpfluid.simulation.fields import mark_fluid, number_or_field
 from warpfluid.simulation.liquid import liquid_mass, share_of_gravity
 from warpfluid.simulation.physics import Physics
+from warpfluid.simulation.placed import SWAP
 from warpfluid.simulation.placing import UNITS, Placing
-from warpfluid.simulation.shapes import SWAP
 from warpfluid.simulation.state import FluidState
 
 STANDARD_GRAVITY = 9.8

@@ -8,8 +8,9 @@ import numpy as np
 from warpfluid.files.bodies import read_bodies
 from warpfluid.options.scene import make_thing
 from warpfluid.run import BODIES, Run
+from warpfluid.simulation.placed import Placed
 from warpfluid.simulation.placing import Placing
-from warpfluid.simulation.shapes import Box, Mesh, Placed, Sphere
+from warpfluid.simulation.shapes import Box, Mesh, Sphere
 from warpfluid.simulation.triangles import box_surface, turned_surface
 
 ROUND = 32  # rings of a ball

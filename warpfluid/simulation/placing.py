@@ -9,8 +9,9 @@ from warpfluid.files.mesh import read_mesh
 from warpfluid.options import BodyOptions, EmitterOptions, ObstacleOptions
 from warpfluid.options.keys import Keyed
 from warpfluid.simulation.emitters import Emitter
+from warpfluid.simulation.placed import Placed, rotation_of_degrees
 from warpfluid.simulation.rigid_body import RigidBody
-from warpfluid.simulation.shapes import Box, Cylinder, Mesh, Placed, Sphere, rotation_of_degrees
+from warpfluid.simulation.shapes import Box, Cylinder, Mesh, Sphere
 
 UNITS = 10.0  # in the height of a box
 

@@ -1,6 +1,6 @@
 """Rigid bodies that fall, bounce, slide and are carried by the fluid, as the car in Fig. 12c is.
 
-Points and vectors are (x, y, z), y up, in voxels from the centre of the first voxel, as in ``shapes.py``.
+Points and vectors are (x, y, z), y up, in voxels from the centre of the first voxel, as in ``placed.py``.
 """
 
 from collections.abc import Mapping, Sequence
@@ -9,7 +9,8 @@ import numpy as np
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
-from warpfluid.simulation.shapes import Box, Mesh, Placed
+from warpfluid.simulation.placed import Placed
+from warpfluid.simulation.shapes import Box, Mesh
 from warpfluid.simulation.triangles import box_surface, cover, weigh
 
 SURFACE_POINTS = 200

@@ -9,7 +9,8 @@ import warp as wp
 from warpfluid.kernels.fluid import shapes
 from warpfluid.kernels.poisson import shares
 from warpfluid.kernels.sides import SIX, WRAP
-from warpfluid.simulation.shapes import SWAP, Index, Placed, Plane, signed_distance
+from warpfluid.simulation.placed import SWAP, Index, Placed, signed_distance
+from warpfluid.simulation.shapes import Plane
 from warpfluid.simulation.state import Faces, Solids, face_shape
 
 BAND = 3.0  # voxels around a mesh where its distance is exact; only the nearest corners matter
