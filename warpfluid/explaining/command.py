@@ -1,6 +1,7 @@
 """Explain files one after another."""
 
 import json
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -20,7 +21,7 @@ def explain_files(names: Sequence[str], common) -> int:
     found, failed = [], {}
     for name in names:
         try:
-            found.append(explain(Path(name).expanduser()))
+            found.append(explain(Path(os.path.expanduser(name))))
         except (ValueError, OSError, RuntimeError) as error:
             failed[name] = describe(error)
             continue

@@ -1,14 +1,16 @@
 """What an export notes about itself, so that it can be continued, and read by the scenes that show it."""
 
 import dataclasses
+import hashlib
 import json
 from pathlib import Path
 
 from warpfluid import __version__
 from warpfluid.files.atomic import replacing
+from warpfluid.files.lines import CHECK, checksum
 from warpfluid.options import ExportOptions
 from warpfluid.run import SETTINGS
-from warpfluid.volumes import EXPORT
+from warpfluid.volumes import ENDINGS, EXPORT
 
 FREE = {"frames"}  # may differ when an export is continued
 
@@ -54,10 +56,10 @@ class Record:
             self._check_same(old, asked)
         if overwrite:
             for frame in old.get("frames", {}).values():
-                (folder / Path(frame["file"]).name).unlink(missing_ok=True)
+                (folder / frame["file"]).unlink(missing_ok=True)
         folder.mkdir(parents=True, exist_ok=True)
         kept = old.get("frames", {}) if resume else {}
-        kept = {frame: facts for frame, facts in kept.items() if (folder / Path(facts["file"]).name).is_file()}
+        kept = {frame: facts for frame, facts in kept.items() if self._is_whole(facts)}
         self.content = {"warpfluid": __version__, **asked, **facts, "frames": kept}
 
     def has(self, frame: int, source_hash: str) -> bool:
@@ -65,12 +67,13 @@ class Record:
         return self.content["frames"].get(str(frame), {}).get("source_hash") == source_hash
 
     def add(self, frame: int, facts: dict) -> None:
-        """Note a frame that is written.
+        """Note a frame that is written, and what is in its file.
 
         Raises:
-            OSError: If the file cannot be written.
+            OSError: If the file cannot be read, or this one not be written.
         """
-        frames = self.content["frames"] | {str(frame): facts}
+        noted = facts | {"file_hash": _whole_hash(self.path.with_name(facts["file"]))}
+        frames = self.content["frames"] | {str(frame): noted}
         self.content["frames"] = {key: frames[key] for key in sorted(frames, key=int)}
         self.write()
 
@@ -80,16 +83,25 @@ class Record:
         Raises:
             OSError: If it cannot be written.
         """
+        content = self.content | {CHECK: checksum(self.content)}
         with replacing(self.path) as file:
-            file.write((json.dumps(self.content, indent=1, allow_nan=False) + "\n").encode())
+            file.write((json.dumps(content, indent=1, allow_nan=False) + "\n").encode())
+
+    def _is_whole(self, facts: dict) -> bool:
+        """Return whether the file of a frame is there as it was written."""
+        path = self.path.with_name(facts["file"])
+        return path.is_file() and _whole_hash(path) == facts.get("file_hash")
 
     def _read(self) -> dict:
         try:
             content = json.loads(self.path.read_bytes())
-            names = [frame["file"] for frame in content["frames"].values()]
-        except (ValueError, KeyError, TypeError, AttributeError) as error:
-            raise ValueError(f"{self.path} is damaged: delete it, or choose another folder with -o") from error
-        return content if all(isinstance(name, str) for name in names) else {}
+            sound = content.pop(CHECK, None) in (None, checksum(content))
+            sound &= all(_is_own(int(frame), facts["file"]) for frame, facts in content["frames"].items())
+        except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+            sound = False
+        if not sound:
+            raise ValueError(f"{self.path} is damaged: delete it, or choose another folder with -o")
+        return content
 
     def _check_same(self, old: dict, asked: dict) -> None:
         before, after = old.get("options", {}), asked["options"]
@@ -105,3 +117,13 @@ class Record:
                 f"{self.path.parent} was exported otherwise: {', '.join(changed)}; "
                 "use the same again, or --overwrite, or another folder with -o"
             )
+
+
+def _is_own(frame: int, name: str) -> bool:
+    """Return whether the name of a frame's file is such as we write: a damaged record names anything."""
+    return name in {f"density.{frame:04d}{ending}" for ending in ENDINGS}
+
+
+def _whole_hash(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

@@ -93,7 +93,7 @@ def open_footage(source: str | Path, *, first_frame: int = 1) -> Footage:
         OSError: If nothing is there.
         ValueError: If it is no video, no sequence of images, or damaged.
     """
-    path = Path(source).expanduser()
+    path = Path(os.path.expanduser(source))
     suffix = path.suffix.lower()
     if not suffix and not path.exists():
         raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(source))

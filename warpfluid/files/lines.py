@@ -19,7 +19,7 @@ def read_lines(path: str | Path) -> list[dict]:
             record = json.loads(line)
         except (ValueError, RecursionError):  # the run was stopped while it wrote this line, or it is damaged
             continue
-        if isinstance(record, dict) and record.pop(CHECK, None) in (None, _checksum(record)):
+        if isinstance(record, dict) and record.pop(CHECK, None) in (None, checksum(record)):
             found.append(record)
     return found
 
@@ -30,7 +30,7 @@ def line_of(record: dict) -> bytes:
     Raises:
         ValueError: If the record holds what JSON lacks.
     """
-    return json.dumps(record | {CHECK: _checksum(record)}, allow_nan=False).encode() + b"\n"
+    return json.dumps(record | {CHECK: checksum(record)}, allow_nan=False).encode() + b"\n"
 
 
 def append_line(path: str | Path, record: dict) -> None:
@@ -49,5 +49,6 @@ def append_line(path: str | Path, record: dict) -> None:
         os.fsync(file.fileno())
 
 
-def _checksum(record: dict) -> str:
+def checksum(record: dict) -> str:
+    """Return the checksum of a record, which is the same when it comes back from a file."""
     return f"{zlib.crc32(json.dumps(record).encode()):08x}"

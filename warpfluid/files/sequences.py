@@ -9,6 +9,7 @@ from pathlib import Path
 from warpfluid.files.images import IMAGE_SUFFIXES
 
 MOST_FRAMES = 100_000  # more than an hour of film: a longer set is a slip of the hand
+MOST_DIGITS = 20  # of a frame number
 FORMS = "a folder of images, an image, front.%04d.exr, front.####.exr, front.1001-1100#.exr or front.*.exr"
 
 _RANGE = r"\d{1,9}-\d{1,9}(?:x\d{1,9})?(?:,\d{1,9}(?:-\d{1,9}(?:x\d{1,9})?)?)*"
@@ -63,7 +64,7 @@ def find_sequence(source: str | Path) -> dict[int, Path]:
         ValueError: If there is no image, more than one sequence, two files of one frame number, or a frame
             that the pattern asks for is missing.
     """
-    path = Path(source).expanduser()
+    path = Path(os.path.expanduser(source))
     if path.is_dir():
         return _only_sequence([file for file in _files(path) if _is_image(file)], path)
     _check_image_name(path)
@@ -95,6 +96,8 @@ def numbered_path(pattern: str | Path, number: int) -> Path:
     if token["frames"] or _TOKEN.search(after):
         raise ValueError(f"{path} needs one place for the frame number, such as name.####{path.suffix}")
     digits = int(re.search(r"\d+", token[0])[0]) if re.search(r"\d", token[0]) else len(token[0].strip("$%Fd")) or 1
+    if digits > MOST_DIGITS:
+        raise ValueError(f"{path} asks for {digits} digits: write at most {MOST_DIGITS}, or name.####{path.suffix}")
     return path.with_name(f"{before}{number:0{digits}d}{after}")
 
 

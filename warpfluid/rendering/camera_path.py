@@ -40,7 +40,7 @@ def read_camera_path(name: str | Path) -> dict[str, str]:
         raise ValueError(f"{path} is larger than {LARGEST_FILE >> 20} MiB; no file of camera keys is")
     try:
         keys = json.loads(path.read_text(encoding="utf-8"))
-    except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:
         raise ValueError(f"{path} is no JSON file: {error}") from None
     if not isinstance(keys, list) or not keys:
         raise ValueError(f'{path} holds no list of keys such as [{{"frame": 1, "angle": 0}}, ...]')

@@ -11,6 +11,7 @@ A look is a JSON object::
 
 import json
 import math
+import os
 from importlib.resources import files
 from pathlib import Path
 
@@ -40,10 +41,10 @@ def read_look(name: str) -> Look:
     is_file = name.lower().endswith(".json")
     if not is_file and name not in look_names():
         raise ValueError(f"look is {name!r}, expected one of {', '.join(look_names())}, or a file that ends in .json")
-    text = Path(name).expanduser().read_bytes() if is_file else (_folder() / f"{name}.json").read_bytes()
+    text = Path(os.path.expanduser(name)).read_bytes() if is_file else (_folder() / f"{name}.json").read_bytes()
     try:
         document = json.loads(text)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise ValueError(f"{name} is no JSON: {error}") from error
     return make_look(document, name)
 

@@ -51,7 +51,7 @@ def read_settings(path: str | Path) -> dict:
         document = tomllib.loads(Path(path).read_text("utf-8"))
     except OSError as error:
         raise ValueError(f"{describe(error)}; a configuration or run.toml is needed") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (ValueError, RecursionError) as error:
         raise ValueError(f"{path} is not TOML: {error}") from error
     problems = Problems()
     for name, value in document.items():

@@ -22,8 +22,10 @@ def find_volumes(path: Path) -> dict[int, Path]:
     elif path.is_file():
         found = [path]
     else:
-        form = "".join("*" if _NUMBER.fullmatch(part) else part for part in re.split(f"({_NUMBER.pattern})", path.name))
-        found = sorted(path.parent.glob(form)) if "*" in form and path.parent.is_dir() else []
+        parts = re.split(f"({_NUMBER.pattern})", path.name)
+        form = re.compile("".join(".*" if _NUMBER.fullmatch(part) else re.escape(part) for part in parts), re.DOTALL)
+        there = sorted(path.parent.iterdir()) if len(parts) > 1 and path.parent.is_dir() else []
+        found = [file for file in there if form.fullmatch(file.name) and not file.name.startswith(".")]
     found = [file for file in found if file.suffix in ENDINGS and file.name != "checkpoint.npz"]
     if not found:
         kinds = f"{', '.join(ENDINGS[:-1])} or {ENDINGS[-1]}"

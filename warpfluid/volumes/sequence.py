@@ -1,6 +1,7 @@
 """A sequence of volumes, whoever wrote it."""
 
 import json
+import os
 from collections.abc import Collection
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -146,7 +147,7 @@ def open_volumes(
         ValueError: If there are none, they do not fit together, or the first one is not sound.
         OSError: If they cannot be read.
     """
-    path = Path(name).expanduser()
+    path = Path(os.path.expanduser(name))
     if (path / SETTINGS).is_file():
         return _open_run(Run(path), str(name), grid)
     files = find_volumes(path)
@@ -195,7 +196,7 @@ def _noted(folder: Path) -> dict:
     try:
         noted = json.loads((folder / EXPORT).read_text("utf-8"))
         return {"up": str(noted["up"]), "look": noted["look"]} if noted["up"] in ("y", "z") else {}
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return {}
 
 
