@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from tiny import BARE, pair, quick, run
 
+from warpfluid import __version__
 from warpfluid.explaining import explain
 from warpfluid.files.exr import write_exr
 from warpfluid.files.images import write_png
@@ -116,6 +117,45 @@ def test_a_stage_and_a_run(tmp_path, capsys):
     assert "OpenVDBAsset density" in lines
 
 
+def test_an_export(tmp_path, capsys):
+    """Of what it was made and how, what opens it, and which of its files are gone."""
+    assert run("reconstruct", *quick(*pair(tmp_path), *BARE), "-o", tmp_path / "run", "-q") == 0
+    out = tmp_path / "out"
+    assert (
+        run("export", tmp_path / "run", "-o", out, "--format", "blender", "--half", "--drop-below", "0.01", "-q") == 0
+    )
+    told = explain(out)
+    assert (told["kind"], told["made_of"]) == (f"export of warpfluid {__version__}", str(tmp_path / "run"))
+    assert (told["frames"], told["count"], told["warnings"]) == ("1-3", 3, [])
+    assert told["layer"].items() >= {"format": "blender", "up": "z", "half": True, "drop below": 0.01}.items()
+    assert told["layer"]["open_in_blender.py"] == f"opens it: blender --python {out / 'open_in_blender.py'}"
+    assert told["bytes"] == sum(file.stat().st_size for file in out.glob("*.vdb"))
+    assert told["grids"][0]["type"] == "float (half)"
+    (out / "density.0001.vdb").unlink()
+    (out / "density.0003.vdb").unlink()
+    capsys.readouterr()
+    assert run("inspect", out) == 0
+    assert "warning   frame 1,3 is not there: the same export with --resume writes it" in capsys.readouterr().out
+    (out / "export.json").write_text('{"frames": []}')
+    assert run("inspect", out) == 1
+    assert "export.json is damaged: export again with --overwrite" in capsys.readouterr().err
+
+
+def test_folders(tmp_path, capsys):
+    """Of volumes, of pictures, and of neither."""
+    for frame in (4, 5):
+        write_vdb(tmp_path / f"a.{frame:04d}.vdb", grids())
+        (tmp_path / "pictures").mkdir(exist_ok=True)
+        write_png(tmp_path / "pictures" / f"a.{frame:04d}.png", np.zeros((8, 12, 3), np.uint8))
+    told = explain(tmp_path)
+    assert (told["kind"], told["sequence"]["frames"]) == ("folder of OpenVDB", "4-5")
+    told = explain(tmp_path / "pictures")
+    assert (told["kind"], told["frames"], told["size"]) == ("folder of pictures, the first a picture", "4-5", [12, 8])
+    write_vdb(tmp_path / "b.0001.vdb", grids())
+    assert run("inspect", tmp_path) == 1
+    assert "has several sequences" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("name", "content", "message"),
     [
@@ -147,4 +187,4 @@ def test_files_or_footage(tmp_path, capsys):
     assert run("inspect", "a.vdb", "--front", "b.mp4") == 2
     assert "is explained as it is; footage follows --view" in capsys.readouterr().err
     assert run("inspect", tmp_path) == 1
-    assert "is a folder and no run" in capsys.readouterr().err
+    assert "is a folder without a run, volumes or pictures; it has nothing" in capsys.readouterr().err

@@ -2,12 +2,13 @@
 
 from pathlib import Path
 
+from warpfluid.explaining.exports import explain_export, explain_folder
 from warpfluid.explaining.pictures import explain_exr, explain_picture, explain_video
 from warpfluid.explaining.scenes import explain_run, explain_stage
 from warpfluid.explaining.volumes import explain_volume
 from warpfluid.files.images import IMAGE_SUFFIXES
 from warpfluid.run import SETTINGS
-from warpfluid.volumes import ENDINGS
+from warpfluid.volumes import ENDINGS, EXPORT
 
 VIDEOS = (".mp4", ".mov", ".mkv", ".avi", ".webm", ".m4v", ".mxf", ".mpg", ".mpeg", ".webp", ".gif")
 
@@ -16,17 +17,16 @@ def explain(path: Path) -> dict:
     """Return what a file or a run is, as plain values for JSON.
 
     Args:
-        path: A volume, a picture, a video, a USD stage, or the folder of a run.
+        path: A volume, a picture, a video, a USD stage, or a folder of a run, an export, volumes or pictures.
 
     Raises:
         ValueError: If it is damaged, or of no known kind.
         OSError: If it cannot be read.
     """
     if path.is_dir():
-        if not (path / SETTINGS).is_file():
-            kinds = sorted({file.suffix for file in path.iterdir() if file.suffix})
-            raise ValueError(f"{path} is a folder and no run; name files in it, it has {', '.join(kinds) or 'none'}")
-        return {"path": str(path), **explain_run(path)}
+        marks = {SETTINGS: explain_run, EXPORT: explain_export}
+        known = (function for name, function in marks.items() if (path / name).is_file())
+        return {"path": str(path), **next(known, explain_folder)(path)}
     ending, size = path.suffix.lower(), path.stat().st_size
     kinds = {
         **dict.fromkeys(VIDEOS, explain_video),
