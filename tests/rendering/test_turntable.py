@@ -48,6 +48,19 @@ def test_large_pictures_keep_their_size():
     assert picture.sum() == 450
 
 
+@pytest.mark.parametrize(
+    ("width", "height", "lines", "size"),
+    [(40, 60, 480, 8), (300, 100, 480, 5), (9, 9, 480, 8), (300, 480, 480, 1), (40, 500, 480, 2), (300, 9, 0, 1)],
+)
+def test_films_of_small_boxes_are_enlarged(width, height, lines, size):
+    """By whole numbers; the light a voxel's width is what it was."""
+    volume = np.zeros((width, width, height), np.float32)
+    volume[3:6, 2, 4:7] = 20
+    picture = render_turntable(volume, [0], "gray", lines=lines)[0, ..., 0]
+    assert picture.shape == (size * height, size * width)
+    assert picture.mean(dtype=float) == pytest.approx(20 * 9 / (width * height), rel=0.1)
+
+
 def test_all_pictures_share_their_exposure():
     """With a free white the brightest view sets it; a column of voxels is bright only along its row."""
     row = np.zeros((SIZE, SIZE, HEIGHT), np.float32)
@@ -103,7 +116,7 @@ def test_films_play(tmp_path, ending):
         from PIL import Image
 
         with Image.open(tmp_path / f"film.{ending}") as film:
-            assert (film.n_frames, film.size) == (6, (2 * SIZE, 2 * HEIGHT))
+            assert (film.n_frames, film.size) == (6, (8 * SIZE, 8 * HEIGHT))
 
 
 def test_a_sequence_plays_while_the_camera_walks():
@@ -112,7 +125,8 @@ def test_a_sequence_plays_while_the_camera_walks():
     film = turntable._film(((volume, 90 * i) for i, volume in enumerate(volumes)), "gray", None)
     pictures = [next(film), next(film)]
     assert pictures[0].max() > 200
-    assert [int(p[..., 0].argmax() // (2 * SIZE)) // 2 for p in pictures] == [HEIGHT - 1, HEIGHT - 2]
+    rows = [np.argwhere(p[..., 0] == p.max())[:, 0].mean() for p in pictures]  # eight of them a voxel
+    np.testing.assert_allclose(rows, [8 * HEIGHT - 4.5, 8 * HEIGHT - 12.5], atol=3)
     assert next(volumes).max() == 3, "the third volume is not read yet"
 
 

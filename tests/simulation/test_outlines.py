@@ -104,6 +104,6 @@ def test_film_of_a_run_shows_them(run, monkeypatch):
     monkeypatch.setattr(Run, "records", lambda self: {2: {}})
     monkeypatch.setattr(Run, "volume", lambda self, frame: np.zeros((20, 20, 30), np.float32))
     front, *_ = film_pictures(run, "smoke", 4)
-    assert front.shape == (60, 40, 3)
-    assert front[60 - 2 * 8 - 2 : 60 - 2 * 8, 12:16].max() > 60
-    assert not front[:10].any()
+    assert front.shape == (240, 160, 3)  # eight pixels a voxel
+    assert front[240 - 8 * 9 : 240 - 8 * 8, 48:64].max() > 60
+    assert not front[:40].any()

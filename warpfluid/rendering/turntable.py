@@ -13,6 +13,8 @@ import numpy as np
 from warpfluid.rendering.ramps import apply_ramp
 
 SMALL = 256  # pictures narrower than this are shown at twice their size
+FILM_LINES = 480  # of a film, at least
+LARGEST = 8  # pixels a voxel; beyond, there is nothing more to see
 GAP = 4  # black columns between pictures in a row
 
 
@@ -24,7 +26,13 @@ def turntable_angles(count: int) -> np.ndarray:
 
 
 def render_turntable(
-    volume, angles_deg: Sequence[float], ramp: str = "fire", *, white: float | None = 255.0, surfaces: Sequence = ()
+    volume,
+    angles_deg: Sequence[float],
+    ramp: str = "fire",
+    *,
+    white: float | None = 255.0,
+    surfaces: Sequence = (),
+    lines: int = 0,
 ) -> np.ndarray:
     """Render a volume from every angle, at one exposure.
 
@@ -35,9 +43,11 @@ def render_turntable(
         white: Ray sum that is the brightest colour; 255 shows a reconstruction as its footage; None takes
             nearly the brightest of all pictures.
         surfaces: Bodies that stand in it, each a ``Surface``.
+        lines: Height that pictures have at least, unless a voxel would be wider than 8 pixels.
 
     Returns:
-        Pictures, uint8, shape (angle, rows, columns, 3), twice the volume's size if it is narrower than 256.
+        Pictures, uint8, shape (angle, rows, columns, 3): a pixel a voxel, or enlarged smoothly by a whole number, which
+        is 2 at least if the volume is narrower than 256.
 
     Raises:
         ValueError: If the volume is not 3D, an angle or the ramp is not known, or ``white`` is not positive.
@@ -45,10 +55,10 @@ def render_turntable(
     images = _project(volume, angles_deg)
     white = _exposure(images) if white is None else white
     if not surfaces:
-        return apply_ramp(_enlarge(images), ramp, white)
+        return apply_ramp(_enlarge(images, lines), ramp, white)
     from warpfluid.rendering.laid_in import lay_in
 
-    shots = zip(_enlarge(images), angles_deg, strict=True)
+    shots = zip(_enlarge(images, lines), angles_deg, strict=True)
     return np.stack([lay_in(light, _checked(volume), surfaces, angle, ramp, white) for light, angle in shots])
 
 
@@ -92,7 +102,7 @@ def write_turntable(
     pictures: int = 120,
     turn_deg: float = 3.0,
 ) -> None:
-    """Film a turning volume, or a sequence that plays while the camera walks around it.
+    """Film a turning volume, or a sequence that plays while the camera walks around it, 480 lines high or more.
 
     Args:
         path: The film: .mp4, or .webp or .gif for a page.
@@ -132,7 +142,7 @@ def _film(shots: Iterable[tuple], ramp: str, white: float | None) -> Iterator[np
     for volume, angle in shots:
         image = _project(volume, [angle])
         white = _exposure(image) if white is None else white
-        yield apply_ramp(_enlarge(image), ramp, white)[0]
+        yield apply_ramp(_enlarge(image, FILM_LINES), ramp, white)[0]
 
 
 def _project(volume, angles_deg: Sequence[float]) -> np.ndarray:
@@ -159,11 +169,13 @@ def _exposure(values: np.ndarray) -> float:
     return float(np.quantile(lit, 0.999)) if lit.size else 1.0
 
 
-def _enlarge(images: np.ndarray) -> np.ndarray:
-    """Double small pictures smoothly, before they are coloured."""
-    if images.shape[2] >= SMALL:
+def _enlarge(images: np.ndarray, lines: int) -> np.ndarray:
+    """Enlarge small pictures smoothly, before they are coloured."""
+    _, rows, columns = images.shape
+    factor = max(2 if columns < SMALL else 1, min(-(-lines // rows), LARGEST))
+    if factor == 1:
         return images
     from scipy.ndimage import zoom
 
     # Cubic splines dip below black around bright edges; colouring clips that.
-    return zoom(images, (1, 2, 2), order=3, mode="nearest", grid_mode=True)
+    return zoom(images, (1, factor, factor), order=3, mode="nearest", grid_mode=True)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from warpfluid.rendering.surfaces import Surface
-from warpfluid.rendering.turntable import render_turntable
+from warpfluid.rendering.turntable import FILM_LINES, render_turntable
 from warpfluid.run import Run
 from warpfluid.simulation.outlines import Outlines
 
@@ -40,7 +40,7 @@ def film_pictures(run: Run, look: str, count: int, scale: float = 1.0) -> Iterat
     def shoot(frame: int, angles_deg: np.ndarray) -> np.ndarray:
         volume = run.volume(frame)
         surfaces = surfaces_in(outlines, frame, volume.shape)
-        return render_turntable(volume, angles_deg, look, white=white, surfaces=surfaces)
+        return render_turntable(volume, angles_deg, look, white=white, surfaces=surfaces, lines=FILM_LINES)
 
     if len(frames) == count:
         for frame, angle in zip(frames, angles, strict=True):
