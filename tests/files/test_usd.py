@@ -100,3 +100,31 @@ def test_usd_reads_it(tmp_path, half):
         c, s = np.cos(angle), np.sin(angle)
         np.testing.assert_allclose(matrix[:3, :3].T, [[c, 0, s], [0, 1, 0], [-s, 0, c]], atol=1e-6)
         np.testing.assert_allclose(matrix[3, :3], position, atol=1e-6)
+
+
+def test_odd_names_stay_names(tmp_path):
+    """Quotes, newlines and signs end no string; names that USD would take for one stay two."""
+    odd = 'a"]\n}\ndef Xform "x" {\x07 é @'
+    one, two, three = (
+        UsdBody(name, np.eye(3), np.array([[0, 1, 2]]), {1: (np.zeros(3), turn(0.0)), 2: (np.zeros(3), turn(0.0))})
+        for name in ("volume", "a b", "a_b")
+    )
+    write_usda(
+        tmp_path / "a.usda",
+        {1: "d@1.vdb"},
+        {odd: "float", "v-1": "vec3s", "v_1": "vec3s"},
+        extent=np.zeros((2, 3)),
+        bodies=[one, two, three],
+    )
+    done = subprocess.run(
+        [reader(), "-c", READ, str(tmp_path / "a.usda")], capture_output=True, text=True, check=True, timeout=100
+    )
+    told = json.loads(done.stdout)
+    assert sorted(field["field"] for field in told["fields"].values()) == sorted([odd, "v-1", "v_1"])
+    assert [body["name"] for body in told["bodies"]] == ["volume_2", "a_b", "a_b_2"]
+
+
+def test_files_that_no_stage_can_name(tmp_path):
+    """They are refused by name."""
+    with pytest.raises(ValueError, match=r"cannot name the file 'a\\nb.vdb'"):
+        write_usda(tmp_path / "a.usda", {1: "a\nb.vdb"}, {"density": "float"}, extent=np.zeros((2, 3)))

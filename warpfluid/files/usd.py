@@ -5,7 +5,7 @@ Written without the USD library, which is large; the format is plain text.
 
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -56,11 +56,14 @@ def write_usda(
         bodies: What moves among them, in the stage's axes.
 
     Raises:
-        ValueError: If there are no files.
+        ValueError: If there are no files, or the name of one has no place in a stage.
         OSError: If the stage cannot be written.
     """
     if not files:
         raise ValueError("there are no files to show: export at least one frame")
+    odd = [file for file in files.values() if "@@" in file or file.endswith("@") or not file.isprintable()]
+    if odd:
+        raise ValueError(f"a stage cannot name the file {odd[0]!r}: rename it")
     lines = [
         "#usda 1.0",
         "(",
@@ -75,7 +78,7 @@ def write_usda(
         "",
         'def Xform "warpfluid"',
         "{",
-        *_indent([*_volume(files, grids, extent, half), *(line for body in bodies for line in _body(body))]),
+        *_indent([*_volume(files, grids, extent, half), *_bodies(bodies)]),
         "}",
         "",
     ]
@@ -84,7 +87,7 @@ def write_usda(
 
 
 def _volume(files: Mapping[int, str], grids: Mapping[str, str], extent: np.ndarray, half: bool) -> list[str]:
-    names = {name: _identifier(name) for name in grids}
+    names = _identifiers(grids)
     lines = ['def Volume "volume"', "{", f"    float3[] extent = [{', '.join(_tuple(corner) for corner in extent)}]"]
     lines += [f"    rel field:{plain} = </warpfluid/volume/{plain}>" for plain in names.values()]
     for name, kind in grids.items():
@@ -92,15 +95,20 @@ def _volume(files: Mapping[int, str], grids: Mapping[str, str], extent: np.ndarr
         data = number if kind == "float" else f"{number}3"
         lines += ["", f'    def OpenVDBAsset "{names[name]}"', "    {"]
         lines += [f'        token fieldClass = "{"fogVolume" if kind == "float" else "unknown"}"']
-        lines += [f'        token fieldDataType = "{data}"', f"        token fieldName = {json.dumps(name)}"]
+        lines += [f'        token fieldDataType = "{data}"', f"        token fieldName = {_quoted(name)}"]
         lines += ['        token vectorDataRoleHint = "Vector"'] if kind != "float" else []
         lines += ["        asset filePath.timeSamples = {"]
-        lines += [f"            {frame}: @./{file}@," for frame, file in sorted(files.items())]
+        lines += [f"            {frame}: {_asset(file)}," for frame, file in sorted(files.items())]
         lines += ["        }", "    }"]
     return [*lines, "}"]
 
 
-def _body(body: UsdBody) -> list[str]:
+def _bodies(bodies: Sequence[UsdBody]) -> list[str]:
+    names = _identifiers(["volume", *(f"{body.name}\0{number}" for number, body in enumerate(bodies))])
+    return [line for body, name in zip(bodies, list(names.values())[1:], strict=True) for line in _body(body, name)]
+
+
+def _body(body: UsdBody, name: str) -> list[str]:
     frames = sorted(body.poses)
     moves = [f"        {frame}: {_tuple(body.poses[frame][0])}," for frame in frames]
     turns = [f"        {frame}: {_tuple(np.roll(body.poses[frame][1], 1))}," for frame in frames]  # USD has w first
@@ -108,7 +116,7 @@ def _body(body: UsdBody) -> list[str]:
     corners = np.array([body.vertices.min(axis=0), body.vertices.max(axis=0)])
     return [
         "",
-        f'def Xform "{_identifier(body.name)}"',
+        f'def Xform "{name}"',
         "{",
         "    double3 xformOp:translate.timeSamples = {",
         *moves,
@@ -138,7 +146,23 @@ def _tuple(numbers: np.ndarray) -> str:
     return f"({', '.join(f'{float(number):.9g}' for number in numbers)})"
 
 
-def _identifier(name: str) -> str:
-    """Return a name that USD takes: letters, digits and underscores."""
-    plain = re.sub(r"\W", "_", name, flags=re.ASCII)
-    return plain if re.match(r"[A-Za-z_]", plain) else f"_{plain}"
+def _asset(file: str) -> str:
+    """Return a path beside the stage, between signs that it does not hold."""
+    sign = "@@@" if "@" in file else "@"
+    return f"{sign}./{file}{sign}"
+
+
+def _quoted(name: str) -> str:
+    """Return a name as a string of USD; what would end the line stands for itself nowhere."""
+    return json.dumps(name, ensure_ascii=False).replace("\\u00", "\\x")
+
+
+def _identifiers(names: Iterable[str]) -> dict[str, str]:
+    """Return by name one that USD takes: letters, digits and underscores; each another, whatever they were."""
+    found: dict[str, str] = {}
+    for name in names:
+        plain = re.sub(r"\W", "_", name.partition("\0")[0], flags=re.ASCII)
+        plain = plain if re.match(r"[A-Za-z_]", plain) else f"_{plain}"
+        free = (plain, *(f"{plain}_{number}" for number in range(2, len(found) + 3)))
+        found[name] = next(name for name in free if name not in found.values())
+    return found
