@@ -50,7 +50,7 @@ def test_bodies_turn_with_the_world(tmp_path):
     np.testing.assert_allclose(places["z"], standing, atol=1e-6)
 
 
-def test_a_simulation_with_a_body(tmp_path):
+def test_a_simulation_with_a_body(tmp_path, capsys):
     """Its speed, its body and the body's way are in the stage; a voxel twice as wide makes all of it twice as large."""
     source, body = tmp_path / "run", "box center=0,6,0 size=2,1,1"
     assert run("simulate", *BOX, "--body", body, "-o", source, "-q") == 0
@@ -65,6 +65,10 @@ def test_a_simulation_with_a_body(tmp_path):
         np.testing.assert_allclose(ways, expected, atol=1e-6)
         points = numbers(text, "point3f[] points")
         np.testing.assert_allclose(np.ptp(points, axis=0), factor * 0.16 * np.array([0.2, 0.1, 0.1]), rtol=1e-5)
+    other = {"names": ["a", "b"], "frames": [{"frame": 1, "bodies": 2 * listed[0]["bodies"]}]}
+    (source / "bodies.json").write_text(json.dumps(other))
+    assert run("export", source, "-o", tmp_path / "odd", "--format", "usda", "-q") == 2
+    assert "bodies.json has 2 bodies, the settings 1" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("flame", [True, False])

@@ -18,7 +18,7 @@ def find_bodies(sequence: VolumeSequence, options: ExportOptions) -> list[Body]:
     """Return the rigid bodies of a simulated run, y up [scene unit]; none of other volumes.
 
     Raises:
-        ValueError: If the file of bodies is damaged.
+        ValueError: If the file of bodies is damaged or does not fit the settings.
         OSError: If it cannot be read.
     """
     tables = (sequence.document or {}).get("body", ())
@@ -33,14 +33,12 @@ def find_bodies(sequence: VolumeSequence, options: ExportOptions) -> list[Body]:
     x, y, z = file.grids["density"].shape
     placing, factor = Placing((x, z, y), 1.0), (options.voxel_size or file.voxel_size) / file.voxel_size
     names, frames = read_bodies(path)
+    if len(names) != len(tables):
+        raise ValueError(f"{path} has {len(names)} bodies, the settings {len(tables)}")
     bodies = []
-    for i, (name, table) in enumerate(zip(names, tables, strict=False)):
+    for i, (name, table) in enumerate(zip(names, tables, strict=True)):
         surface = placing.body(make_thing("body", table, where="run.toml: "), first)
-        poses = {
-            frame: (factor * listed[i]["position"], listed[i]["quaternion"])
-            for frame, listed in frames.items()
-            if i < len(listed)
-        }
+        poses = {f: (factor * listed[i]["position"], listed[i]["quaternion"]) for f, listed in frames.items()}
         vertices = np.asarray(surface.vertices, float) * file.voxel_size * factor
         bodies.append(Body(name, vertices, np.asarray(surface.triangles), poses))
     return bodies
