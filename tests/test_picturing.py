@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from tiny import run
 
+from warpfluid import picturing
+from warpfluid.cluster.here import Here
 from warpfluid.files.images import read_image
 from warpfluid.files.vdb import write_vdb
 from warpfluid.files.video import Video
@@ -279,3 +281,32 @@ def test_resume_after_half_a_line(clip, tmp_path):
     assert [(tmp_path / f"a.{k}.png").stat().st_mtime_ns for k in (1, 2)] == times
     assert {k: (tmp_path / f"a.{k}.png").read_bytes() for k in (1, 2, 3)} == before
     assert len(record.read_text().splitlines()) == 4
+
+
+class Leaving(Here):
+    """A pool whose workers are gone after the first picture."""
+
+    left = 1
+
+    def wait(self):
+        if self.left == 0:
+            raise ConnectionError("the scheduler is gone")
+        self.left -= 1
+        return super().wait()
+
+
+def test_a_cluster_that_is_lost(clip, tmp_path, monkeypatch, capsys):
+    """What was made counts, what was not is named, and --resume makes it; half a film is none."""
+    with monkeypatch.context() as patch:
+        patch.setattr(picturing, "open_pool", lambda job, crew, device, **_: Leaving(job, device, None))
+        assert run("render", clip, "-o", tmp_path / "a.#.png", *SMALL) == 1
+        message = capsys.readouterr().err
+        assert "the cluster: the scheduler is gone" in message
+        assert "the other pictures: not made" in message
+        assert run("render", clip, "-o", tmp_path / "a.mp4", *SMALL) == 1
+        message = capsys.readouterr().err
+        assert "the cluster: the scheduler is gone" in message
+        assert "a.mp4: not made" in message
+        assert not (tmp_path / "a.mp4").exists()
+    assert run("render", clip, "-o", tmp_path / "a.#.png", *SMALL, "--resume") == 0
+    assert "kept    1 pictures" in capsys.readouterr().err

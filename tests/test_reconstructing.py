@@ -1,8 +1,12 @@
 """Frames by many processes: the same bits as by one, and nothing lost when it breaks."""
 
-import pytest
-from tiny import BARE, numbers, pair, quick, run, volumes
+from itertools import pairwise
 
+import numpy as np
+import pytest
+from tiny import BARE, flame, footage, numbers, pair, quick, run, volumes
+
+from warpfluid.projector import Projector
 from warpfluid.run import Run
 
 FRAMES = range(1, 7)
@@ -26,6 +30,21 @@ def test_two_processes_make_the_bits_of_one(tmp_path, flags, how, capsys):
     records = [Run(tmp_path / name).records() for name in ("one", "two")]
     one, two = ({frame: r | {"seconds": 0} for frame, r in part.items()} for part in records)
     assert one == two
+
+
+def test_pieces_fade_into_each_other(tmp_path):
+    """Of a thing that stands still, seen from where no camera stood, little changes where a piece begins."""
+    flags = [*BARE, "--iterations", "4", "--angles", "16", "--device", "cpu", "--piece", "5"]
+    for name, angle in (("--front", 0), ("--side", 1)):
+        flags += [name, footage(tmp_path / str(angle), FRAMES, lambda frame, side: flame(0, side), angle)]
+    jumps = {}
+    for overlap in ("0", "3"):
+        assert run("reconstruct", *flags, "--overlap", overlap, "-o", tmp_path / "run", "--overwrite") == 0
+        made = [Run(tmp_path / "run").volume(frame) for frame in FRAMES]
+        pictures = Projector([45.0], made[0].shape, device="cpu")
+        seen = [pictures.project(volume) for volume in made]
+        jumps[overlap] = [np.abs(b - a).sum() / b.sum() for a, b in pairwise(seen)]
+    assert max(jumps["3"][1:]) < 0.5 * jumps["0"][4]
 
 
 def test_a_piece_that_goes_on(tmp_path, flags):

@@ -179,14 +179,18 @@ def _film(work: Work, shots: list[Shot], pool: Pool) -> None:
 def _in_order(work: Work, shots: list[Shot], pool: Pool) -> Iterator[np.ndarray]:
     """Yield the pictures of a film one after the other, in whatever order they are made."""
     there, place = {}, 0
-    for shot, outcome in spread(map(single, shots), pool):
-        there[shot.number] = outcome.pop("screen", None)
-        _note(work, shot, outcome)
-        while place < len(shots) and shots[place].number in there:
-            screen = there.pop(shots[place].number)
-            place += 1
-            if screen is not None:
-                yield screen
+    try:
+        for shot, outcome in spread(map(single, shots), pool):
+            there[shot.number] = outcome.pop("screen", None)
+            _note(work, shot, outcome)
+            while place < len(shots) and shots[place].number in there:
+                screen = there.pop(shots[place].number)
+                place += 1
+                if screen is not None:
+                    yield screen
+    except ConnectionError as error:
+        work.failed["the cluster"] = describe(error)
+        raise ValueError("not made") from error
     if not work.made:
         raise ValueError("none of its pictures could be made")
 

@@ -34,7 +34,8 @@ def farm(tmp_path):
     address = f"tcp://127.0.0.1:{port}"
     dask = [sys.executable, "-m", "dask"]
     hosts = ["--host", "127.0.0.1"]
-    common = {"cwd": tmp_path, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    (tmp_path / "elsewhere").mkdir()
+    common = {"cwd": tmp_path / "elsewhere", "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     scheduler = subprocess.Popen([*dask, "scheduler", *hosts, "--port", port, "--no-dashboard"], **common)
     worker = ["worker", address, *hosts, "--nworkers", "2", "--nthreads", "1", "--no-dashboard"]
     nanny = subprocess.Popen([*dask, *worker], start_new_session=True, **common)
@@ -94,8 +95,10 @@ def test_a_cluster_makes_the_bits_of_one_process(ready, tmp_path, flags, monkeyp
     assert run("reconstruct", *flags, "-o", "one") == 0
     killed = []
     killing = when(tmp_path / "two", 2, lambda: killed.append((kill_a_worker(nanny), len(volumes(tmp_path / "two")))))
-    assert run("reconstruct", *flags, "-o", "two", "--cluster", address) == 0
+    assert run("reconstruct", *flags, "-o", "two", "--cluster", address, "--debug-dir", "seen") == 0
     killing.join()
+    assert not list((tmp_path / "elsewhere").glob("*.*"))
+    assert len(list((tmp_path / "seen").iterdir())) >= len(FRAMES)
     assert killed[0][0]
     assert killed[0][1] < len(FRAMES)
     assert volumes(tmp_path / "two") == volumes(tmp_path / "one")

@@ -4,7 +4,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from warpfluid.cluster.workforce import PROCESS_BYTES, make_workforce, parse_jobs
+from warpfluid.cluster.workforce import PROCESS_BYTES, make_workforce
+from warpfluid.options.machine import parse_jobs
 
 CPU = SimpleNamespace(is_cuda=False)
 GB = 1 << 30

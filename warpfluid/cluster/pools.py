@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 from warpfluid.cluster.here import Here
 from warpfluid.cluster.spread import Job, Pool
-from warpfluid.cluster.workforce import make_workforce, parse_jobs
+from warpfluid.cluster.workforce import make_workforce
 from warpfluid.device import compile_kernels, gpus
+from warpfluid.options.machine import parse_jobs
 
 if TYPE_CHECKING:
     from warpfluid.cluster.farm import Farm

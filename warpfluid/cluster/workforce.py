@@ -5,11 +5,8 @@ from dataclasses import dataclass
 
 from warpfluid.footage.estimate import free_memory
 from warpfluid.kernels.launch import thread_count
-from warpfluid.options.machine import parse_jobs
 
 PROCESS_BYTES = 400 << 20  # a worker with its libraries and kernels, before it has any work
-
-__all__ = ["PROCESS_BYTES", "Workforce", "make_workforce", "parse_jobs"]
 
 
 @dataclass(frozen=True, kw_only=True)
