@@ -103,6 +103,9 @@ class RenderOptions:
     motion_blur: Annotated[float, "Part of a frame that the shutter is open; velocity is needed"] = 0.0
     blur_samples: Annotated[int, "Moments that a blurred picture is the mean of"] = 8
     error: Annotated[float, "Largest error of a pixel that a step along a ray may make, of white"] = 0.002
+    interpolation: Annotated[
+        Literal["linear", "cubic"], "Between voxels; cubic shows none of them close up, and takes longer"
+    ] = "linear"
     fps: Annotated[float | None, "Frames a second of a film; the run's by default, or 24"] = None
     deep: Annotated[bool, "16 bits a channel in .png"] = False
     half: Annotated[bool, "Half precision in .exr"] = False
