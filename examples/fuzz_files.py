@@ -10,6 +10,7 @@ import zipfile
 import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -290,7 +291,9 @@ def image_files():
         for packing in (None, "zlib"):
             made += written(
                 ".tif",
-                lambda path, pixels=pixels, packing=packing: tifffile.imwrite(path, pixels, compression=packing),
+                lambda path, pixels=pixels, packing=packing: tifffile.imwrite(
+                    path, pixels, compression=packing, photometric="rgb" if pixels.ndim == 3 else None
+                ),
             )
     for packing in ("tiff_lzw", "jpeg", "packbits"):
         made += written(
@@ -380,10 +383,10 @@ def table_files():
     settings = b"""views = ["0=front.####.png", "90=side.mp4"]
 [input]
 frames = "1-9x2"
-threshold = 12.0
 [reconstruct]
 iterations = 8
 angles = 180
+blur = 1.5
 [output]
 voxel_size = 0.1
 half = true
@@ -402,26 +405,28 @@ density = 4.0
 kind = "wind"
 strength = "1:0.5;24:2"
 """
-    camera = {"keys": [{"frame": 1, "angle": 0, "elevation": 5}, {"frame": 24, "angle": 90, "distance": 3}]}
+    camera = [{"frame": 1, "angle": 0, "elevation": 5}, {"frame": 24, "angle": 90.5, "distance": 3}]
     body = {"position": [0, 1, 2], "quaternion": [0, 0, 0, 1], "velocity": [0, 0, 0], "spin": [0, 0, 0]}
     bodies = {"names": ["box"], "frames": [{"frame": 1, "bodies": [body]}, {"frame": 2, "bodies": [body]}]}
-    look = {"look": "fire", "exposure": 1.0}
+    look = (files("warpfluid") / "looks" / "fire.json").read_bytes()
     lines = b"".join(json.dumps({"frame": frame, "seconds": 1.5}).encode() + b"\n" for frame in range(1, 5))
-    made = [(".toml", settings), (".toml", scene), (".jsonl", lines)]
-    return made + [(".json", json.dumps(table, indent=1).encode()) for table in (camera, bodies, look)]
+    made = [(".toml", settings), (".toml", scene), (".jsonl", lines), (".look.json", look)]
+    return made + [
+        (f".{name}.json", json.dumps(table).encode()) for name, table in (("camera", camera), ("body", bodies))
+    ]
 
 
 def read_table(path: Path):
-    """Read settings, records, bodies, a camera's way and a look; each of them only what is its own."""
+    """Read settings, records, bodies, a camera's way or a look."""
     from warpfluid.files.bodies import read_bodies
     from warpfluid.files.lines import read_lines
+    from warpfluid.rendering.camera_path import read_camera_path
+    from warpfluid.rendering.look_files import read_look
     from warpfluid.settings import read_settings
 
-    if path.suffix == ".toml":
-        return read_settings(path)
-    if path.suffix == ".jsonl":
-        return read_lines(path)
-    return read_bodies(path)
+    readers = {".camera": read_camera_path, ".body": read_bodies, ".look": lambda path: read_look(str(path))}
+    readers |= {".toml": read_settings, ".jsonl": read_lines}
+    readers[path.suffix if path.suffix in readers else path.suffixes[-2]](path)
 
 
 def read_probe(path: Path):

@@ -1,23 +1,18 @@
 """OpenEXR pictures: float light, linear by convention."""
 
-import io
 import os
-import sys
-import tempfile
-import threading
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, redirect_stdout
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
 from warpfluid.files.atomic import replacing
 from warpfluid.files.limits import check_pixels
+from warpfluid.files.quiet import quiet
 
 LARGEST_HALF = 65504.0
 
 _MAGIC = b"\x76\x2f\x31\x01"
-_QUIET = threading.Lock()
 
 
 def read_exr(path: str | Path) -> np.ndarray:
@@ -41,7 +36,7 @@ def read_exr(path: str | Path) -> np.ndarray:
         if file.read(4) != _MAGIC:
             raise ValueError(f"{path} is empty or no OpenEXR file")
     try:
-        with _quiet():
+        with quiet():
             for part in OpenEXR.File(str(path), header_only=True).parts:
                 _check_size(part.header, os.path.getsize(path))
             parts = OpenEXR.File(str(path), separate_channels=True).parts
@@ -78,27 +73,6 @@ def write_exr(path: str | Path, channels: Mapping[str, np.ndarray], half: bool =
             OpenEXR.File(header, arrays).write(file.name)
     except RuntimeError as error:
         raise OSError(f"{path} cannot be written: {error}") from error
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """Keep back what is printed if the block fails: the library prints about a damaged file, then raises.
-
-    It prints below Python, so the streams are exchanged for the whole process; what others print meanwhile
-    is passed on when the block ends well.
-    """
-    with _QUIET, tempfile.TemporaryFile() as noise, redirect_stdout(io.StringIO()) as words:
-        sys.stderr.flush()
-        saved = os.dup(2)
-        os.dup2(noise.fileno(), 2)
-        try:
-            yield
-        finally:
-            os.dup2(saved, 2)
-            os.close(saved)
-        noise.seek(0)
-        os.write(2, noise.read())
-    sys.stdout.write(words.getvalue())
 
 
 def _window(header: dict, name: str) -> tuple[int, int, int, int]:

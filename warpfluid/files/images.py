@@ -16,6 +16,7 @@ import numpy as np
 from warpfluid.files.atomic import replacing
 from warpfluid.files.exr import read_exr
 from warpfluid.files.limits import check_pixels
+from warpfluid.files.quiet import quiet
 
 IMAGE_SUFFIXES = (".bmp", ".exr", ".jpeg", ".jpg", ".png", ".tif", ".tiff", ".webp")
 
@@ -183,7 +184,9 @@ def _decode_tiff(data: bytes) -> np.ndarray:
         check_pixels(page.imagewidth, page.imagelength * page.imagedepth, page.samplesperpixel, len(data))
         deep_grey = page.samplesperpixel == 1 and page.dtype in (np.uint16, np.float32)
         if page.bitspersample <= 8 or deep_grey:
-            return _decode_with_pillow(data)
+            logging.getLogger("PIL").setLevel(logging.CRITICAL)
+            with quiet(pass_on=False):
+                return _decode_with_pillow(data)
         try:
             pixels = page.asarray()
         except (ValueError, KeyError) as error:

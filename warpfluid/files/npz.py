@@ -78,6 +78,9 @@ def write_npz_grids(
 
 
 def _write(path: str | Path, arrays: dict[str, np.ndarray]) -> None:
+    odd = [name for name in arrays if not name.isprintable() or set(name) & set("/\\:")]
+    if odd:  # it becomes the name of a file for whoever unpacks the archive
+        raise ValueError(f"{path}: {odd[0]!r} cannot be a name in an .npz file; choose other grids, or rename it")
     with (
         replacing(path) as file,
         zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive,
