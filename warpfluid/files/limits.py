@@ -22,9 +22,7 @@ def check_promise(promised: float, size: int) -> None:
         ValueError: If that cannot be; it does not know the file's name.
     """
     if not promised <= SMALL + MOST_A_BYTE * size:
-        raise ValueError(
-            f"the file is damaged: it promises {promised / 1e6:.0f} MB and is {size / 1e3:.1f} kB; write it again"
-        )
+        raise ValueError(f"it promises {promised / 1e6:.0f} MB and has {size / 1e3:.1f} kB; write it again")
 
 
 def check_pixels(width: int, height: int, channels: int, size: int, what: str = "its size") -> None:
@@ -57,4 +55,4 @@ def check_box(numbers: int, active: int, trusted: bool = False) -> None:
         ValueError: If there are too many; it does not know the file's name.
     """
     if numbers > (TRUSTED if trusted else EMPTY) + VOXELS_AN_ACTIVE * active:
-        raise ValueError(f"the file is damaged or nearly empty: {active} voxels in a box of {numbers}")
+        raise ValueError(f"it is damaged or nearly empty: {active} voxels in a box of {numbers}")
