@@ -29,6 +29,7 @@ LAYERS = [
         "explaining",
         "exporting",
         "reconstructing",
+        "shooting",
         "cluster",
     },
     {"cli"},

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tiny import run
 
-from warpfluid import picturing
+from warpfluid import shooting
 from warpfluid.cluster.here import Here
 from warpfluid.files.images import read_image
 from warpfluid.files.vdb import write_vdb
@@ -298,7 +298,7 @@ class Leaving(Here):
 def test_a_cluster_that_is_lost(clip, tmp_path, monkeypatch, capsys):
     """What was made counts, what was not is named, and --resume makes it; half a film is none."""
     with monkeypatch.context() as patch:
-        patch.setattr(picturing, "open_pool", lambda job, crew, device, **_: Leaving(job, device, None))
+        patch.setattr(shooting, "open_pool", lambda job, crew, device, **_: Leaving(job, device, None))
         assert run("render", clip, "-o", tmp_path / "a.#.png", *SMALL) == 1
         message = capsys.readouterr().err
         assert "the cluster: the scheduler is gone" in message

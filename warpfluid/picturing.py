@@ -2,15 +2,11 @@
 
 import json
 import os
-from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
-from warpfluid.cluster.pools import Asked, open_pool, reach
-from warpfluid.cluster.spread import Pool, single, spread
-from warpfluid.errors import CannotWriteError, Problems, describe
+from warpfluid.cluster.pools import Asked, reach
+from warpfluid.errors import Problems
 from warpfluid.options import CameraOptions, LightOptions, RenderOptions
 from warpfluid.outcome import name_failures
 from warpfluid.progress import Progress
@@ -22,34 +18,12 @@ from warpfluid.rendering.records import PictureRecords, made_with
 from warpfluid.rendering.shots import Shot, check_target, make_shots
 from warpfluid.rendering.studio import make_studio, stand_ins
 from warpfluid.run import Run
+from warpfluid.shooting import Work, shoot
 from warpfluid.simulation.outlines import Outlines
 from warpfluid.volumes import VolumeSequence, open_volumes
 
 RATE, WHITE = 24.0, 255.0
 TRY_AGAIN = "the other pictures are whole; with numbered pictures, the same command with --resume makes what is missing"
-
-
-@dataclass(frozen=True, kw_only=True)
-class Work:
-    """Everything that takes part.
-
-    Attributes:
-        job: Makes the pictures.
-        shots: All of them.
-        log: Progress.
-        records: What numbered pictures were made with.
-        hashes: Of the volumes by frame, for the records.
-        failed: What went wrong, by picture.
-        made: What was written, a record each.
-    """
-
-    job: PictureJob
-    shots: list[Shot]
-    log: Progress
-    records: PictureRecords | None = None
-    hashes: dict[str, str] = field(default_factory=dict)
-    failed: dict[str, str] = field(default_factory=dict)
-    made: list[dict] = field(default_factory=list)
 
 
 def render(
@@ -92,7 +66,7 @@ def render(
     about = made_with(camera, light, options, options.look or volumes.output.look, volumes.scale)
     with reach(asked, need=need, folder=target.path.parent, say=log.line) as crew:
         left = _begin(work, about, resume=resume)
-        _shoot(work, left, crew, device, need)
+        shoot(work, left, crew, device, need)
     return _conclude(work, len(shots) - len(left), common)
 
 
@@ -107,28 +81,9 @@ def _begin(work: Work, about: dict, *, resume: bool) -> list[Shot]:
     return left
 
 
-def _shoot(work: Work, shots: list[Shot], crew: Asked, device, need: int) -> None:
-    """Make pictures; what fails is noted.
-
-    Raises:
-        KeyboardInterrupt: If it is stopped; it says how to go on.
-    """
-    job, say = work.job, work.log.line
-    try:
-        with open_pool(job, crew, device, tasks=len(shots), need=need, progress=_nothing, say=say) as pool:
-            (_film if job.target.is_film else _stills)(work, shots, pool)
-    except KeyboardInterrupt as stop:
-        way_out = "; the same command with --resume goes on" if job.target.is_numbered else ""
-        raise KeyboardInterrupt(f"stopped after {len(work.made)} of {len(shots)} pictures{way_out}") from stop
-
-
 def _records(target: Target, volumes: VolumeSequence) -> dict:
     """Return where numbered pictures are noted, and the hashes of their volumes."""
     return {"records": PictureRecords(target), "hashes": volumes.hashes()} if target.is_numbered else {}
-
-
-def _nothing(*_) -> None:
-    """A picture tells nothing before it is made."""
 
 
 def _open(source: str, options: RenderOptions) -> VolumeSequence:
@@ -148,62 +103,6 @@ def _brightest(volumes: VolumeSequence, frame: int) -> float:
         return float(volumes.density(frame).sum(axis=1).max())
     except (ValueError, OSError):
         return 0.0
-
-
-def _stills(work: Work, shots: list[Shot], pool: Pool) -> None:
-    """Write a file a picture."""
-    count = 0
-    try:
-        for shot, outcome in spread(map(single, shots), pool):
-            count += 1
-            if _note(work, shot, outcome) and work.records:
-                work.records.add(outcome, work.hashes)
-    except CannotWriteError as error:
-        work.failed[work.records.path.name] = describe(error)
-    except ConnectionError as error:
-        work.failed["the cluster"] = describe(error)
-    if count < len(shots):
-        work.failed["the other pictures"] = "not made"
-
-
-def _film(work: Work, shots: list[Shot], pool: Pool) -> None:
-    """Write all pictures into one file."""
-    target, studio = work.job.target, work.job.studio
-    try:
-        target.film(_in_order(work, shots, pool), studio.options.fps or studio.rate)
-    except (ValueError, OSError) as error:
-        work.failed[str(target.path)] = describe(error)
-        work.made.clear()
-
-
-def _in_order(work: Work, shots: list[Shot], pool: Pool) -> Iterator[np.ndarray]:
-    """Yield the pictures of a film one after the other, in whatever order they are made."""
-    there, place = {}, 0
-    try:
-        for shot, outcome in spread(map(single, shots), pool):
-            there[shot.number] = outcome.pop("screen", None)
-            _note(work, shot, outcome)
-            while place < len(shots) and shots[place].number in there:
-                screen = there.pop(shots[place].number)
-                place += 1
-                if screen is not None:
-                    yield screen
-    except ConnectionError as error:
-        work.failed["the cluster"] = describe(error)
-        raise ValueError("not made") from error
-    if not work.made:
-        raise ValueError("none of its pictures could be made")
-
-
-def _note(work: Work, shot: Shot, outcome: dict) -> bool:
-    """Record what came of a picture, and say it; return whether it is made."""
-    if "error" in outcome:
-        work.failed[f"picture {shot.number}"] = outcome["error"]
-        work.log.stack(outcome.get("stack"))
-        return False
-    work.made.append(outcome)
-    work.log.line(f"picture {shot.number}  frame {shot.frame}, {outcome['seconds']:.1f} s, {outcome['file']}")
-    return True
 
 
 def _say(work: Work) -> dict:
