@@ -23,6 +23,8 @@ def draw(option: str, values: tuple[str, ...], name: str, frame: int, also: str 
 # The look.
 
 NEAR = "--look explosion --zoom 1.6 --target 0,3,0"
+CLOSE = "--look explosion --zoom 4.5 --target -1.3,4,0"
+draw("interpolation", ("linear", "cubic"), "explosion", 16, CLOSE, size=(300, 240))
 draw("mode", ("lit", "emission", "sum"), "explosion", 16, NEAR)
 draw("thickness", ("0.15", "1", "5"), "smoke", 60)
 draw("glow", ("0.25", "1", "4"), "fire", 12)
@@ -36,7 +38,7 @@ draw("edge-fade", ("0", "6", "20"), "smoke", 60)
 draw("key-light", ("-1,1,0.4", "1,0.3,0.6", "0,0.6,-1"), "smoke", 60, "--ground --elevation 12")
 draw("key-strength", ("0", "1.5", "4"), "smoke", 60)
 draw("ambient", ("0", "0.12", "0.6"), "smoke", 60)
-draw("probe-rotation", ("0", "120", "240"), "smoke", 60, f"--probe {evening()} --ground --elevation 12")
+draw("probe-rotation", ("0", "120", "240"), "smoke", 60, f"--probe {evening()} --sky --ground --elevation 12")
 
 NIGHT = "--ground --key-strength 0 --ambient 0.03"
 BALL = "--look explosion --elevation 12 --zoom 1.3 --target 0,4,0"

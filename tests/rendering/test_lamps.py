@@ -5,6 +5,7 @@ import pytest
 
 from warpfluid.files.exr import write_exr
 from warpfluid.options import LightOptions
+from warpfluid.rendering.camera import orthographic
 from warpfluid.rendering.harmonics import radiance
 from warpfluid.rendering.lamps import Lamps
 
@@ -38,3 +39,14 @@ def test_a_probe_counts_instead(tmp_path, strength):
     assert not light.suns
     np.testing.assert_allclose(radiance(light.ambient, np.eye(3)), 0.3 * strength, rtol=5e-3)
     assert len(Lamps(LightOptions(probe=str(tmp_path / "sky.exr"), key_strength=1)).at(1).suns) == 1
+
+
+def test_a_sky_is_shown_if_asked_for(tmp_path):
+    """As strong as its light; never without a probe."""
+    write_exr(tmp_path / "sky.exr", {"RGB": np.full((32, 64, 3), 0.3, np.float32)})
+    camera, probe = orthographic((4, 4, 6)), {"probe": str(tmp_path / "sky.exr"), "probe_strength": "1:1;3:3"}
+    sky = Lamps(LightOptions(sky=True, **probe)).sky(camera, 2)
+    np.testing.assert_allclose(sky, np.full((6, 4, 3), 0.6), rtol=1e-6)
+    assert Lamps(LightOptions(**probe)).sky(camera, 2) is None
+    with pytest.raises(ValueError, match="--probe"):
+        LightOptions(sky=True)

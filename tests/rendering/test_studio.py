@@ -11,6 +11,7 @@ from warpfluid.rendering.camera import orthographic
 from warpfluid.rendering.display import decode_srgb
 from warpfluid.rendering.lamps import Lamps
 from warpfluid.rendering.look_files import make_look
+from warpfluid.rendering.output import side_by_side
 from warpfluid.rendering.picture import Picture
 from warpfluid.rendering.ramps import apply_ramp
 from warpfluid.rendering.studio import make_studio, stand_ins
@@ -62,6 +63,18 @@ def test_thickness_and_glow_and_bias_bend_the_look():
     dim, bright = (shoot(studio(look="fire", glow=k), fog()).color.max() for k in (1.0, 3.0))
     assert bright == pytest.approx(3 * dim, rel=1e-3)
     assert shoot(studio(look="fire", bias=0.5), fog()).color.max() > 1.2 * dim
+
+
+def test_the_sky_is_light_behind_the_picture(tmp_path):
+    """It is exposed with the rest, shines through, and is no part of the colour."""
+    write_exr(tmp_path / "even.exr", {"RGB": np.full((32, 64, 3), 0.5, np.float32)})
+    place = studio(LightOptions(probe=str(tmp_path / "even.exr"), sky=True), exposure=-1.0, rolloff=1.0)
+    seen = shoot(place, fog())
+    assert seen.color[0, 0].max() == 0
+    shown = decode_srgb(place.screen(seen, 1))
+    np.testing.assert_allclose(shown[0, 0], 0.25, rtol=1e-4)
+    np.testing.assert_allclose(shown, 0.5 * seen.over(np.full(3, 0.5)), atol=1e-4)
+    assert side_by_side([seen, seen]).sky.shape == (12, 20, 3)
 
 
 def test_emission_has_no_lamps():

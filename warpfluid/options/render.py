@@ -61,13 +61,15 @@ class LightOptions:
     ] = None
     probe_rotation: Annotated[float | str, "Turns the probe around the vertical [degree]"] = 0.0
     probe_strength: Annotated[float | str, "Factor of its light"] = 1.0
+    sky: Annotated[bool, "Show the probe behind everything, in place of the backdrop"] = False
     ground: Annotated[bool, "Draw a floor, which takes shadows"] = False
     ground_color: Annotated[str, "Its colour: red,green,blue"] = "0.25,0.25,0.26"
     bodies: Annotated[bool, "Draw the rigid bodies of a simulation"] = True
     body_color: Annotated[str, "Their colour: red,green,blue"] = "0.5,0.5,0.52"
 
     def __post_init__(self):
-        check_options(self)
+        no_probe = self.sky is True and self.probe is None
+        check_options(self, ["sky shows the probe, and there is none: name one with --probe"] if no_probe else [])
 
 
 @dataclass(frozen=True, kw_only=True)

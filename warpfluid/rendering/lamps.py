@@ -8,6 +8,7 @@ import numpy as np
 
 from warpfluid.options import LightOptions
 from warpfluid.options.keys import Keyed
+from warpfluid.rendering.camera import Camera
 from warpfluid.rendering.harmonics import sky
 from warpfluid.rendering.lighting import Lighting, Sun
 from warpfluid.rendering.probe import light_from_probe, read_probe
@@ -44,11 +45,9 @@ class Lamps:
         if self.probe is None:
             lighting = Lighting(ambient=_sky(options, frame))
         else:
-            strength = max(Keyed(options.probe_strength).at(frame), FAINTEST)
-            rotation = Keyed(options.probe_rotation).at(frame)
-            lighting = light_from_probe(
-                self.probe, suns=PROBE_SUNS, rotation_deg=rotation, exposure=math.log2(strength)
-            )
+            strength, rotation = self._probe_at(frame)
+            exposure = math.log2(max(strength, FAINTEST))
+            lighting = light_from_probe(self.probe, suns=PROBE_SUNS, rotation_deg=rotation, exposure=exposure)
         usual = 0.0 if options.probe else KEY
         strength = Keyed(usual if options.key_strength is None else options.key_strength).at(frame)
         if strength < FAINTEST:
@@ -57,6 +56,19 @@ class Lamps:
         color = math.pi * strength * Keyed(options.key_color, 3).at(frame)
         key = Sun(Keyed(options.key_light, 3).at(frame), color)
         return Lighting((key, *lighting.suns), lighting.ambient)
+
+    def sky(self, camera: Camera, frame: float) -> np.ndarray | None:
+        """Return what a camera sees behind everything, shape (rows, columns, 3); None if the probe is not shown."""
+        if not self.options.sky or self.probe is None:
+            return None
+        from warpfluid.rendering.sky import see_sky
+
+        strength, rotation = self._probe_at(frame)
+        return np.float32(strength) * see_sky(self.probe, camera, rotation_deg=rotation)
+
+    def _probe_at(self, frame: float) -> tuple[float, float]:
+        """Return the strength and the rotation of the probe [degree]."""
+        return Keyed(self.options.probe_strength).at(frame), Keyed(self.options.probe_rotation).at(frame)
 
 
 def _sky(options: LightOptions, frame: float) -> np.ndarray:

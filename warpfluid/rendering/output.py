@@ -138,4 +138,5 @@ def side_by_side(eyes: Sequence[Picture]) -> Picture:
     """Return pictures in one, from left to right."""
     if len(eyes) == 1:
         return eyes[0]
-    return Picture(*(np.concatenate([getattr(eye, f.name) for eye in eyes], axis=1) for f in fields(Picture)))
+    layers = {f.name: [getattr(eye, f.name) for eye in eyes] for f in fields(Picture)}
+    return Picture(**{name: np.concatenate(parts, axis=1) for name, parts in layers.items() if parts[0] is not None})

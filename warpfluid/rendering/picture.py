@@ -16,6 +16,7 @@ class Picture:
             infinity where there is nothing, shape (rows, columns).
         density: Sum of the density along the ray, up to ``limits``; nothing hides it; shape (rows, columns).
         emission: The part of ``color`` that the medium itself gave off, shape (rows, columns, 3).
+        sky: Light from behind everything, which is not in ``color``, shape (rows, columns, 3); None for none.
     """
 
     color: np.ndarray
@@ -23,6 +24,7 @@ class Picture:
     depth: np.ndarray
     density: np.ndarray
     emission: np.ndarray
+    sky: np.ndarray | None = None
 
     def over(self, background: np.ndarray) -> np.ndarray:
         """Return the colour in front of a background, any shape that fits (rows, columns, 3)."""

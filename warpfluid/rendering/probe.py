@@ -73,9 +73,10 @@ def light_from_probe(
         raise ValueError(f"suns is {suns}, expected 0 to {MOST_SUNS}")
     if not (np.isfinite(rotation_deg) and np.isfinite(exposure)):
         raise ValueError(f"rotation_deg is {rotation_deg} and exposure {exposure}, expected finite numbers")
-    picture = _enlarge(_reduce(np.broadcast_to(picture, (*picture.shape[:2], 3)))) * 2.0**exposure
+    picture = np.broadcast_to(picture, (*picture.shape[:2], 3))
+    picture = _enlarge(reduce_probe(picture, WIDE_ENOUGH).astype(np.float64)) * 2.0**exposure
     directions, solid_angles = sphere(picture.shape[:2])
-    directions = directions @ _turn(rotation_deg).T
+    directions = directions @ turn(rotation_deg).T
     found = []
     while len(found) < suns and (sun := _take_brightest(picture, directions, solid_angles)):
         found.append(sun)
@@ -111,12 +112,12 @@ def project(light: np.ndarray, directions: np.ndarray) -> np.ndarray:
     return total
 
 
-def _reduce(picture: np.ndarray) -> np.ndarray:
-    """Return a large probe with fewer pixels, float64; their light is the same."""
+def reduce_probe(picture: np.ndarray, wide_enough: int) -> np.ndarray:
+    """Return a probe with fewer pixels if it has more columns than that; their light is the same."""
     rows, columns = picture.shape[:2]
-    factor = max(n for n in range(1, max(columns // WIDE_ENOUGH, 1) + 1) if rows % n == 0)
+    factor = max(n for n in range(1, max(columns // wide_enough, 1) + 1) if rows % n == 0)
     if factor == 1:
-        return picture.astype(np.float64)
+        return picture
     _, solid_angles = sphere((rows, 1))
     light = (picture * solid_angles[..., None].astype(np.float32)).reshape(rows // factor, factor, -1, factor, 3)
     _, reduced = sphere((rows // factor, 1))
@@ -167,7 +168,7 @@ def _sum_blocks(values: np.ndarray, rows: int, columns: int) -> np.ndarray:
     return np.add.reduceat(np.add.reduceat(values, edges[0], axis=0), edges[1], axis=1)
 
 
-def _turn(degrees: float) -> np.ndarray:
+def turn(degrees: float) -> np.ndarray:
     """Return the rotation about y that brings z to where a camera at an angle stands."""
     c, s = np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))
     return np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])

@@ -115,7 +115,8 @@ class Studio:
         ground = Ground(lit.medium.shape, tuple(Keyed(options.ground_color, 3).at(number))) if options.ground else None
         things = {"surfaces": surfaces, "ground": ground, **self._marching}
         shots = (render(medium, camera, lit.lighting, lit.inner, **things) for medium in lit.moments)
-        return next(shots) if len(lit.moments) == 1 else mean_picture(shots)
+        picture = next(shots) if len(lit.moments) == 1 else mean_picture(shots)
+        return replace(picture, sky=self.lamps.sky(camera, number))
 
     def screen(self, picture: Picture, number: float) -> np.ndarray:
         """Return the values of a screen, 0 to 1, shape (rows, columns, 3).
@@ -128,6 +129,8 @@ class Studio:
         exposure = Keyed(options.exposure).at(number)
         if self.look is None:
             return apply_ramp(picture.density, self.ramp, WHITE * 2.0**-exposure) / np.float32(WHITE)
+        if picture.sky is not None:
+            return develop(picture.over(picture.sky), exposure=exposure, rolloff=options.rolloff)
         light = decode_srgb(develop(picture.color, exposure=exposure, rolloff=options.rolloff))
         behind = decode_srgb(Keyed(options.backdrop, 3).at(number))
         return encode_srgb(light + (1 - picture.alpha[..., None]) * behind)
