@@ -236,6 +236,8 @@ def _common(files: dict[int, Path], facts: dict[int, list[GridFacts]], density: 
         boxes = [other.whole for other in fit if other.whole is not None]
         whole = np.array([np.min(boxes, 0)[0], np.max(boxes, 0)[1]]) if boxes else None
         parts[path] = lattice_of(grid, whole, up)
-    own = any(grid.up for grids in facts.values() for grid in grids)  # an empty frame of ours keeps its box
-    found = join(parts, free=EMPTY) if own else join(parts)
+    grids = [grid for grids in facts.values() for grid in grids]
+    own = any(grid.up for grid in grids)  # an empty frame of ours keeps its box
+    most = max((sum(3 if grid.kind == "vec3s" else 1 for grid in grids) for grids in facts.values()), default=1)
+    found = join(parts, free=EMPTY // max(most, 1)) if own else join(parts)
     return found or (Lattice(1.0, (0.0, 0.0, 0.0), (1, 1, 1)) if parts else None)
