@@ -279,7 +279,7 @@ def test_export_of_no_run(tmp_path, capsys):
 def test_an_error_of_a_library_is_no_traceback(tmp_path, capsys, monkeypatch):
     """What nobody foresaw is called a fault of ours; with -v the whole of it is shown."""
 
-    def fail(*_):
+    def fail(*_, **__):
         raise RuntimeError("deep inside")
 
     monkeypatch.setattr("warpfluid.commands.open_shot", fail)
@@ -294,7 +294,7 @@ def test_an_error_of_a_library_is_no_traceback(tmp_path, capsys, monkeypatch):
 def test_an_interrupted_command(monkeypatch, capsys):
     """Ctrl-C ends with 130 and no traceback."""
 
-    def stop(*_):
+    def stop(*_, **__):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("warpfluid.commands.open_shot", stop)

@@ -38,7 +38,8 @@ def reconstruct(
     problems.attempt(lambda: run.check_free(resume=resume, overwrite=overwrite))
     asked = problems.attempt(lambda: Asked(jobs=jobs, device=common.device, cluster=cluster))
     device = problems.attempt(pick_device, common.device)
-    shot = problems.attempt(open_shot, settings.views, settings.input, settings.reconstruct.shoulder or 0.0)
+    shoulder = settings.reconstruct.shoulder or 0.0
+    shot = problems.attempt(lambda: open_shot(settings.views, settings.input, shoulder, keep=True))
     problems.raise_if_any()
     if debug_dir:
         _make_folder(debug_dir, "--debug-dir")
@@ -63,7 +64,7 @@ def reconstruct(
 
 def inspect(settings: Settings, picture: Path | None, common) -> int:
     """Show what is understood of footage; return the exit code."""
-    shot = open_shot(settings.views, settings.input, settings.reconstruct.shoulder or 0.0)
+    shot = open_shot(settings.views, settings.input, settings.reconstruct.shoulder or 0.0, keep=True)
     inspection = inspect_shot(shot, settings.reconstruct)
     if picture:
         write_views_picture(picture, shot.views(shot.frames[len(shot.frames) // 2]))

@@ -136,9 +136,10 @@ def test_an_export(tmp_path, capsys):
     capsys.readouterr()
     assert run("inspect", out) == 0
     assert "warning   frame 1,3 is not there: the same export with --resume writes it" in capsys.readouterr().out
-    (out / "export.json").write_text('{"frames": []}')
-    assert run("inspect", out) == 1
-    assert "export.json is damaged: export again with --overwrite" in capsys.readouterr().err
+    for content in ('{"frames": []}', "[" * 9999, '{"frames": {"a": {"file": "b"}}, "options": {}, "source": ""}'):
+        (out / "export.json").write_text(content)
+        assert run("inspect", out) == 1
+        assert "export.json is damaged: export again with --overwrite" in capsys.readouterr().err
 
 
 def test_folders(tmp_path, capsys):

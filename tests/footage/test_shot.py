@@ -134,7 +134,8 @@ def test_resolution_and_crop(pair):
     np.testing.assert_allclose(shot.views(11).pictures()[0], picture(11)[2:11, 3:13, 0], atol=1e-3)
     assert "does not fit" in refusal(pair, crop="10x9+8+2")
     assert "only ever reduced" in refusal(pair, resolution="17")
-    assert "at least 8 x 8" in refusal(pair, resolution="8x6")
+    assert "8 pixels or more" in refusal(pair, resolution="8x6")
+    assert "at least 8 x 8" in refusal(pair, crop="10x6+0+0")
 
 
 def test_unlike_sizes_can_be_made_equal(pair, tmp_path):

@@ -33,7 +33,7 @@ def explain_export(path: Path) -> dict:
         OSError: If they cannot be read.
     """
     content = _read(path / EXPORT)
-    options, files = content["options"], {int(frame): path / name for frame, name in content["files"].items()}
+    options, files = content["options"], content["files"]
     missing = [frame for frame, file in files.items() if not file.is_file()]
     there = {frame: file for frame, file in files.items() if frame not in missing}
     first = explain_volume(next(iter(there.values()))) if there else {"grids": [], "warnings": []}
@@ -43,7 +43,7 @@ def explain_export(path: Path) -> dict:
     usual = asdict(ExportOptions())
     changed = {name: options[name] for name in CHANGES if options.get(name, usual[name]) != usual[name]}
     return {
-        "kind": f"export of warpfluid {content['warpfluid']}",
+        "kind": f"export of warpfluid {content.get('warpfluid')}",
         "made_of": content["source"],
         "frames": format_frames(files) if files else None,
         "count": len(there),
@@ -97,7 +97,7 @@ def _read(path: Path) -> dict:
     """Return the record of an export, its files by frame."""
     try:
         content = json.loads(path.read_bytes())
-        files = {frame: Path(facts["file"]).name for frame, facts in content["frames"].items()}
-        return {"warpfluid": str(content["warpfluid"]), "source": str(content["source"]), **content, "files": files}
+        files = {int(frame): path.with_name(Path(facts["file"]).name) for frame, facts in content["frames"].items()}
+        return {**content, "options": dict(content["options"]), "source": str(content["source"]), "files": files}
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise ValueError(f"{path} is damaged: export again with --overwrite") from error

@@ -13,6 +13,7 @@ from warpfluid.files.sequences import format_frames
 from warpfluid.footage.alignment import ViewAlignment, flags
 from warpfluid.footage.estimate import estimate_carried, estimate_cost, estimate_run, format_duration, hull_share
 from warpfluid.footage.hints import cost_hints, find_hints
+from warpfluid.footage.keeping import LOOKED_AT_FRAMES, inspected
 from warpfluid.footage.matting import LIT
 from warpfluid.footage.row_sums import Remedy, compare_row_sums
 from warpfluid.footage.shot import Shot
@@ -20,8 +21,6 @@ from warpfluid.footage.sources import Source, spread
 from warpfluid.options import ReconstructOptions
 from warpfluid.views import Views
 
-INSPECTED_FRAMES = 64  # row sums are compared over these, from the middle of the shot
-LOOKED_AT_FRAMES = 8  # of these, for all that needs the pictures
 BORDER = 0.03  # of the width and height; there is rarely fluid
 NEARLY_ALL = 99.5  # per cent of its pixels
 TAIL = 4  # standard deviations that noise reaches at most
@@ -129,6 +128,7 @@ def inspect_shot(shot: Shot, options: ReconstructOptions | None = None) -> Inspe
         for i, b in enumerate(shot.angles_deg)
         if i
     )
+    shot.forget_pictures()
     options = asked.settled(views=len(views), width=shot.size[0], bright=views[0].bright)
     share = float(np.mean([hull_share(image, shot.angles_deg, options) for image in images]))
     seconds, memory = estimate_cost(shot.size, share, options)
@@ -167,14 +167,14 @@ def write_views_picture(path: str | Path, views: Views) -> None:
 
 def _read(shot: Shot) -> tuple[np.ndarray, np.ndarray, list[int]]:
     """Return row sums of a run of frames (view, frame, v), images of a few (frame, view, u, v), and which."""
-    start = max(0, (len(shot.frames) - INSPECTED_FRAMES) // 2)
-    frames = shot.frames[start : start + INSPECTED_FRAMES]
+    frames = inspected(shot.frames)
     looked_at = spread(frames, LOOKED_AT_FRAMES)
     sums, images = [], []
     for frame in frames:
-        sums.append(shot.row_sums(frame))
+        views = shot.views(frame, equalize_rows=False).images
+        sums.append(shot.light_of_rows(views))
         if frame in looked_at:
-            images.append(shot.views(frame, equalize_rows=False).images)
+            images.append(views)
     return np.stack(sums, axis=1), np.stack(images), looked_at
 
 

@@ -11,6 +11,7 @@ from warpfluid.errors import Problems
 from warpfluid.files.sequences import parse_frames
 from warpfluid.footage import matting
 from warpfluid.footage.alignment import Alignment, ViewAlignment, given_numbers
+from warpfluid.footage.keeping import Keeping, frames_to_keep, room_for
 from warpfluid.footage.pairing import common_frames, start_together
 from warpfluid.footage.preparing import check_light, expose, is_integer, prepare
 from warpfluid.footage.sources import Source, file_hash, image_size, parse_view
@@ -83,10 +84,15 @@ class Shot:
         equal = self.equalize_rows if equalize_rows is None else equalize_rows
         return Views(self._scaled(images, equal=equal and len(images) > 1), self.angles_deg)
 
-    def row_sums(self, frame: int) -> np.ndarray:
-        """Return the linear light in each image row of a frame, shape (view, v), before rows are made equal."""
-        images = self.views(frame, equalize_rows=False).images
+    def light_of_rows(self, images: np.ndarray) -> np.ndarray:
+        """Return the linear light in each row of images (view, u, v), shape (view, v)."""
         return undo_shoulder(images, self.shoulder).sum(axis=1, dtype=np.float64)
+
+    def forget_pictures(self) -> None:
+        """Give the memory of pictures back that were kept by ``open_shot``."""
+        for source in self.sources:
+            if isinstance(source.footage, Keeping):
+                source.footage.forget()
 
     def _scaled(self, images: np.ndarray, *, equal: bool) -> np.ndarray:
         """Multiply the linear light of images by the gains, and make rows equal where that is asked for."""
@@ -119,7 +125,11 @@ class Shot:
 
 
 def open_shot(
-    views: Sequence[str | tuple[float, str]], options: InputOptions | None = None, shoulder: float = 0.0
+    views: Sequence[str | tuple[float, str]],
+    options: InputOptions | None = None,
+    shoulder: float = 0.0,
+    *,
+    keep: bool = False,
 ) -> Shot:
     """Open the footage of every view and check all of it.
 
@@ -130,6 +140,7 @@ def open_shot(
         views: ``ANGLE=PATH``, or pairs of angle and path.
         options: How pictures become images.
         shoulder: Tone curve behind which light is scaled, see ``ReconstructOptions``.
+        keep: Keep pictures in memory, as far as it allows, until the shot is inspected.
 
     Raises:
         ValueError: If anything is wrong with any view or option, or views that are to be aligned do not agree; one line
@@ -152,6 +163,7 @@ def open_shot(
 
         sources, found, options = align_views(sources, options, sizes[0], asked, shoulder, notes)
     frames = common_frames(sources, asked, problems, notes) if all(source.frames for source in sources) else ()
+    sources = _keeping(sources, frames) if keep else sources
     for source in sources:
         # a damaged picture must not come up in the middle of a long run
         for number in source.numbers(frames):
@@ -202,6 +214,12 @@ def _open_sources(views, problems: Problems) -> list[Source]:
         for (angle, _), footage in zip(pairs, footages, strict=True)
         if footage is not None
     ]
+
+
+def _keeping(sources: list[Source], frames: Sequence[int]) -> list[Source]:
+    """Return sources that keep what will be read again."""
+    room, wanted = room_for(len(sources)), frames_to_keep(frames) if frames else ()
+    return [replace(s, footage=Keeping(s.footage, s.numbers(wanted), room)) for s in sources]
 
 
 def _align_by_hand(sources: list[Source], options: InputOptions, problems: Problems) -> list[Source]:
