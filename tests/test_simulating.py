@@ -15,6 +15,7 @@ from warpfluid.files.bodies import read_bodies
 from warpfluid.files.npz import read_npz, write_npz
 from warpfluid.files.vdb import read_vdb, write_vdb
 from warpfluid.options import SIMULATE_PAPER, SimulateOptions
+from warpfluid.run import Run
 from warpfluid.volumes import open_volumes
 
 PLAIN = ("--no-turntable", "--no-report", "--device", "cpu", "-q")
@@ -419,3 +420,15 @@ def test_a_preset_with_a_source_and_without(tmp_path, fire, preset):
     assert emitters == [True, False]
     assert density(tmp_path / "a", 3).sum() > 0
     assert density(tmp_path / "b", 3).sum() > 0
+
+
+def test_a_preset_begins_with_the_first_frame(tmp_path):
+    """A blast at frame 1001 is that of frame 1: its keys move with it, also when it goes on."""
+    small = ("--preset", "explosion", "--size", "12x16", "--no-turntable", "--no-report", "--device", "cpu", "-q")
+    for name, frames in (("one", "1-2"), ("late", "1001-1002")):
+        assert run("simulate", *small, "--frames", frames, "-o", tmp_path / name) == 0
+    assert run("simulate", *small, "--frames", "1001-1003", "-o", tmp_path / "late", "--resume") == 0
+    late = Run(tmp_path / "late")
+    assert sorted(late.records()) == [1001, 1002, 1003]
+    assert late.volume(1001).max() > 0
+    np.testing.assert_array_equal(late.volume(1002), Run(tmp_path / "one").volume(2))

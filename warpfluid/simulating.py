@@ -16,7 +16,7 @@ from warpfluid.progress import Progress, say_left
 from warpfluid.run import FILM, PAGE, SETTINGS, Run
 from warpfluid.settings import SimulateSettings, make_simulate_settings
 from warpfluid.simulation.source import Source, empty_box, fill_box
-from warpfluid.volumes import open_volumes
+from warpfluid.volumes import VolumeSequence, open_volumes
 
 USUAL_LENGTH = 48  # frames of a simulation that follows nothing
 
@@ -101,6 +101,8 @@ def _settle(asked: Asked, paper: bool, document: dict) -> tuple[SimulateSettings
         problems.append("size is for an empty box, and there is a source: use --resolution-scale")
     volumes = problems.attempt(open_volumes, name) if name else None
     chosen = {"size": size, "preset": asked.preset, "paper": paper, "document": document}
+    first = problems.attempt(_first_frame, asked, document, volumes)
+    chosen["first"] = 1 if first is None else first
     if volumes and "output" not in document:
         chosen["source_output"] = asdict(volumes.output)
     make = partial(make_simulate_settings, **chosen)
@@ -150,6 +152,12 @@ def _frames(text: str | None, source: Source) -> tuple[int, ...]:
         have = f"{source.frames[0]} to {source.frames[-1]}"
         raise ValueError(f"frames begin with {frames[0]}, which the source has not (it has {have})")
     return frames
+
+
+def _first_frame(asked: Asked, document: dict, volumes: VolumeSequence | None) -> int:
+    """Return with which frame a simulation begins, also one that is made longer."""
+    text = document.get("simulate", {}).get("frames") or getattr(asked.method, "frames", None)
+    return parse_frames(text)[0] if text else volumes.frames[0] if volumes else 1
 
 
 def _usual(source: Source) -> tuple[int, int]:

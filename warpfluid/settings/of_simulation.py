@@ -47,6 +47,7 @@ def make_simulate_settings(
     paper: bool = False,
     document: dict | None = None,
     source_output: dict | None = None,
+    first: int = 1,
 ) -> SimulateSettings:
     """Put settings together: flags, a preset, the paper's choices, the file, the source, the defaults, in this order.
 
@@ -64,13 +65,14 @@ def make_simulate_settings(
         paper: Make the paper's choices.
         document: What a configuration file or ``run.toml`` says, see ``read_settings``.
         source_output: How the files of the source are stored.
+        first: First frame, from which the keys of a preset count.
 
     Raises:
         ValueError: If any value or name is wrong; one line each.
     """
     document, problems = document or {}, Problems()
     source = source or document.get("source")
-    ready = problems.attempt(preset_settings, preset) or {} if preset else {}
+    ready = problems.attempt(lambda: preset_settings(preset, first=first)) or {} if preset else {}
     above = (SIMULATE_PAPER if paper else {}) | ready.get("simulate", {})
     if source:
         above.pop("preroll", None)  # its volumes are there already

@@ -9,7 +9,7 @@ from warpfluid.simulation.physics import Physics
 from warpfluid.simulation.state import FluidState, Solids
 
 SURFACE = 0.5  # width of the surface's profile [voxel]; narrower ones the grid does not carry
-SWEEPS, STEP = 2, 0.15  # a solver step's, and how far each draws the surface together [voxel]
+SWEEPS, STEP = 4, 0.15  # a solver step's, and how far each draws the surface together [voxel]
 
 
 def liquid_mass(physics: Physics, state: FluidState, frame: float) -> wp.array | None:
