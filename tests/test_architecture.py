@@ -12,7 +12,7 @@ import warpfluid
 
 # From the bottom to the top. A module imports from its own layer and from those below it.
 LAYERS = [
-    {"files", "options", "kernels", "device", "errors"},
+    {"files", "options", "kernels", "device", "errors", "memory"},
     {"presets", "views", "footage", "metrics", "projector", "balance", "settings", "run", "volumes", "motion"},
     {"reconstruction", "rendering", "simulation"},
     {

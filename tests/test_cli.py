@@ -238,9 +238,9 @@ def test_flags(tmp_path, capsys, flags, words):
 
 def test_too_much_for_the_memory(tmp_path, refused, monkeypatch):
     """A box that the machine cannot hold is refused with a size that it can."""
-    monkeypatch.setattr("warpfluid.footage.estimate.machine_memory", lambda: 1e5)
+    monkeypatch.setattr("warpfluid.memory.machine_memory", lambda: 2.02e7)
     message = refused(*pair(tmp_path))
-    assert "cpu has 0.0001 GB" in message
+    assert "cpu has 0.02 GB" in message
     assert "--resolution" in message
 
 

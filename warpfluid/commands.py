@@ -7,7 +7,7 @@ from pathlib import Path
 from warpfluid.cluster.pools import Asked, reach
 from warpfluid.errors import Problems
 from warpfluid.files.sequences import format_frames
-from warpfluid.footage.estimate import check_memory
+from warpfluid.footage.estimate import check_cost
 from warpfluid.footage.inspection import Inspection, inspect_shot, write_views_picture
 from warpfluid.footage.shot import Shot, open_shot
 from warpfluid.outcome import conclude, do_all
@@ -45,7 +45,7 @@ def reconstruct(
         _make_folder(debug_dir, "--debug-dir")
     _check_lengths(shot, settings)
     inspection = inspect_shot(shot, settings.reconstruct)
-    check_memory(inspection.memory_bytes, shot.size[0], device)
+    check_cost(shot.size, inspection.hull_share, inspection.options, device)
     footage = dataclasses.replace(shot.options, white=shot.white or settings.input.white)
     settings = dataclasses.replace(settings, input=footage, reconstruct=inspection.options)
     if resume:

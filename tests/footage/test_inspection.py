@@ -9,11 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from warpfluid.files.images import read_image, write_png
-from warpfluid.footage.estimate import estimate_cost, estimate_run, hull_share, machine_memory
+from warpfluid.footage.estimate import estimate_cost, estimate_run, hull_share
 from warpfluid.footage.hints import cost_hints
 from warpfluid.footage.inspection import inspect_shot, write_views_picture
 from warpfluid.footage.row_sums import compare_row_sums
 from warpfluid.footage.shot import open_shot
+from warpfluid.memory import memory_limit
 from warpfluid.options import InputOptions, ReconstructOptions
 from warpfluid.reconstruction.pieces import Pieces
 from warpfluid.views import Views
@@ -123,7 +124,7 @@ def test_long_runs_are_given_a_width():
     assert 200 * seconds < 1300
     (huge,) = cost_hints((6000, 4000), 1, 0.01, options, 2)
     width = int(re.search(r"--resolution (\d+) ", huge)[1])
-    assert estimate_cost((width, width * 2 // 3), 0.01, options)[1] < machine_memory() / 2 + 1e9
+    assert estimate_cost((width, width * 2 // 3), 0.01, options)[1] < memory_limit() / 2 + 1e9
     assert cost_hints((80, 80), 10**7, 0.2, options, 1)[0].startswith("this is a long")
 
 

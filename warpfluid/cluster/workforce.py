@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from warpfluid.footage.estimate import free_memory
 from warpfluid.kernels.launch import thread_count
+from warpfluid.memory import free_memory
 
 PROCESS_BYTES = 400 << 20  # a worker with its libraries and kernels, before it has any work
 

@@ -61,12 +61,12 @@ def _computing(device: str | None) -> dict:
     found = {"devices": [], "threads": None, "memory": {}, "kernels": None, "errors": []}
     try:
         from warpfluid.device import pick_device
-        from warpfluid.footage.estimate import free_memory, machine_memory
+        from warpfluid.memory import free_memory, memory_limit
         from warpfluid.kernels.launch import thread_count
 
         best = pick_device(device)
         found |= {"devices": _devices(best), "kernels": _kernel_cache(), "threads": thread_count()}
-        found["memory"] = {"total": machine_memory(), "free": free_memory()}
+        found["memory"] = {"total": memory_limit(), "free": free_memory()}
     except Exception as error:  # Warp, or what it needs, may be broken in any way
         found["errors"] = [describe(error)]
     return found
@@ -76,14 +76,14 @@ def _devices(best) -> list[dict]:
     """Return the devices Warp can use, the one that commands use first."""
     import warp as wp
 
-    from warpfluid.footage.estimate import machine_memory
+    from warpfluid.memory import memory_limit
 
     devices = sorted(wp.get_devices(), key=lambda device: device != best)
     return [
         {
             "name": str(d),
             "description": d.name,
-            "memory": d.total_memory if d.is_cuda else machine_memory(),
+            "memory": d.total_memory if d.is_cuda else memory_limit(),
             "error": _fault(d),
         }
         for d in devices

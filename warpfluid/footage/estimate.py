@@ -1,12 +1,10 @@
 """What a reconstruction will cost, before it runs."""
 
-import contextlib
-import os
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
+from warpfluid.memory import check_memory, memory_limit
 from warpfluid.options import (
     MUTATIONS_A_VOXEL,
     MUTATIONS_A_VOXEL_AND_E_STEP,
@@ -31,6 +29,7 @@ SECONDS_A_CONVEX_STEP = 2e-8  # by voxel inside the hull
 SECONDS_OF_FILM = 2.0
 SECONDS_OF_PAGE = 1.5  # by frame shown
 SHOWN_FRAMES = 6
+BYTES = 20e6
 BYTES_A_VOXEL = 16  # of the whole box
 BYTES_A_HULL_VOXEL = 48  # of the part of the box that the hull needs
 PART_OVER_HULL = 2.5  # that part is rectangular, the hull is not
@@ -82,7 +81,7 @@ def estimate_cost(size: tuple[int, int], share: float, options: ReconstructOptio
     if options.method == "convex":
         seconds += options.convex_steps * voxels * share * SECONDS_A_CONVEX_STEP
     part = min(PART_OVER_HULL * share, 1)
-    return seconds, int(voxels * (BYTES_A_VOXEL + part * BYTES_A_HULL_VOXEL) + pixels * BYTES_A_PIXEL)
+    return seconds, int(BYTES + voxels * (BYTES_A_VOXEL + part * BYTES_A_HULL_VOXEL) + pixels * BYTES_A_PIXEL)
 
 
 def _seconds_of_transfer(options: ReconstructOptions) -> float:
@@ -147,7 +146,7 @@ def affordable_width(
         options: Iterations, angles and steps.
         views: How many.
     """
-    memory = machine_memory() / 2
+    memory = memory_limit() / 2
 
     def cost(width: int) -> tuple[float, int]:
         smaller = width, max(1, round(width * size[1] / size[0]))
@@ -162,24 +161,26 @@ def affordable_width(
     return (fits[-1], cost(fits[-1])[0]) if fits else None
 
 
-def check_memory(needed: int, width: int, device) -> None:
-    """Refuse a reconstruction that the machine has no memory for.
+def check_cost(size: tuple[int, int], share: float, options: ReconstructOptions, device) -> None:
+    """Refuse a reconstruction that there is no memory for.
 
     Args:
-        needed: What ``estimate_cost`` found [byte].
-        width: Of an image [pixel].
+        size: Width and height of an image [pixel].
+        share: Share of the box inside the visual hull.
+        options: Choices of the method.
         device: Where it will run, a Warp device.
 
     Raises:
-        ValueError: If the memory does not suffice; it names a width that would do.
+        ValueError: If the memory does not suffice; it names the largest width that would do.
     """
-    there = device.total_memory if device.is_cuda else machine_memory()
-    if needed > there:
-        fits = int(width * (there / needed) ** (1 / 3))
-        raise ValueError(
-            f"the volumes need about {needed / 1e9:.2g} GB of memory, {device} has {there / 1e9:.2g} GB: "
-            f"reduce the footage, --resolution {fits} or less"
-        )
+    width, height = size
+    angles = replace(options, angles=options.angles or default_angles(width))
+
+    def bytes_of(narrower: int) -> int:
+        return estimate_cost((narrower, max(1, round(narrower * height / width))), share, angles)[1]
+
+    way_out = "reduce the footage, --resolution {width} or less"
+    check_memory(bytes_of, width, device, what="the volumes", way_out=way_out)
 
 
 def format_duration(seconds: float) -> str:
@@ -188,37 +189,6 @@ def format_duration(seconds: float) -> str:
         if seconds >= 2 * length:
             return f"{seconds / length:.2g} {unit}" if seconds < 100 * length else f"{seconds / length:.0f} {unit}"
     return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
-
-
-def machine_memory() -> float:
-    """Return the memory of this machine [byte], without a limit where nothing tells."""
-    try:
-        return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
-    except (AttributeError, OSError, ValueError):  # not on Windows
-        return float("inf")
-
-
-def free_memory() -> float:
-    """Return the memory that is free on this machine and within the limits of its control groups [byte]."""
-    free = machine_memory()
-    with contextlib.suppress(OSError, ValueError, IndexError, StopIteration):
-        lines = Path("/proc/meminfo").read_text("ascii").splitlines()
-        free = float(next(line.split()[1] for line in lines if line.startswith("MemAvailable:"))) * 1024
-    with contextlib.suppress(OSError, ValueError, IndexError, StopIteration):
-        own = Path("/proc/self/cgroup").read_text().splitlines()[-1].split(":", 2)[2].strip("/")
-        for group in (Path(own), *Path(own).parents):
-            free = min(free, _left(Path("/sys/fs/cgroup") / group))
-    return free
-
-
-def _left(group: Path) -> float:
-    """Return what a control group may still take [byte]; files that are kept in memory make room."""
-    try:
-        limit = float((group / "memory.max").read_text())
-        stat = dict(line.split() for line in (group / "memory.stat").read_text().splitlines())
-        return limit - float((group / "memory.current").read_text()) + float(stat.get("inactive_file", 0))
-    except (OSError, ValueError):  # "max", or no such group
-        return float("inf")
 
 
 def _round_hull(image: np.ndarray, angle: float, x: np.ndarray, z: np.ndarray, radius: float) -> np.ndarray:
