@@ -61,8 +61,8 @@ def _computing(device: str | None) -> dict:
     found = {"devices": [], "threads": None, "memory": {}, "kernels": None, "errors": []}
     try:
         from warpfluid.device import pick_device
-        from warpfluid.memory import free_memory, memory_limit
         from warpfluid.kernels.launch import thread_count
+        from warpfluid.memory import free_memory, memory_limit
 
         best = pick_device(device)
         found |= {"devices": _devices(best), "kernels": _kernel_cache(), "threads": thread_count()}
