@@ -8,10 +8,11 @@ import warp as wp
 from media import LINE, ONE, VIEWS, noise, on
 
 from warpfluid.projector import Projector
-from warpfluid.rendering.camera import Camera, orthographic, perspective, stereo_pair
+from warpfluid.rendering.camera import Camera, orthographic, perspective
 from warpfluid.rendering.lighting import Lighting, Sun
 from warpfluid.rendering.marching import march
 from warpfluid.rendering.medium import Curve, Medium
+from warpfluid.rendering.stereo import stereo_pair
 
 ANGLES = [0, 30, 45, 90, 117.3, -52, 180, 270]
 

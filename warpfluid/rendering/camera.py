@@ -6,7 +6,7 @@ where the camera stands at the greatest z and looks along -z, and 90 is the left
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -151,67 +151,9 @@ def perspective(
     )
 
 
-def look_at(
-    eye: Sequence[float],
-    target: Sequence[float],
-    *,
-    size: tuple[int, int],
-    field_of_view_deg: float,
-    up: Sequence[float] = (0.0, 1.0, 0.0),
-) -> Camera:
-    """Return the perspective camera at one point that looks at another, upright.
-
-    Args:
-        eye: Where it stands (x, y, z) [voxel].
-        target: Point in the middle of the picture.
-        size: Width and height of the picture [pixel].
-        field_of_view_deg: Angle between the top and the bottom of the picture, above 0 and below 180.
-        up: What is up in the picture; not along the line of sight.
-    """
-    forward = _unit(np.asarray(target, np.float64) - np.asarray(eye, np.float64), "eye and target")
-    right = _unit(np.cross(forward, np.asarray(up, np.float64)), "up and the line of sight")
-    return Camera(
-        size=size,
-        eye=eye,
-        right=right,
-        up=np.cross(right, forward),
-        forward=forward,
-        pixel=_pixel(field_of_view_deg, size),
-        perspective=True,
-    )
-
-
-def stereo_pair(camera: Camera, eye_distance: float, convergence: float) -> tuple[Camera, Camera]:
-    """Return the cameras of the left and the right eye.
-
-    What lies at the convergence is seen at the same place by both: it appears in the plane of the screen. Perspective
-    cameras stay parallel and shift their pictures, so nothing is displaced vertically; orthographic ones turn.
-
-    Args:
-        camera: Between the eyes.
-        eye_distance: Between the eyes [voxel].
-        convergence: Depth of the screen along the line of sight [voxel].
-    """
-    if not (convergence > 0 and np.isfinite(convergence) and np.isfinite(eye_distance)):
-        raise ValueError(f"eye_distance is {eye_distance} and convergence {convergence}; finite and positive is needed")
-    return _eye(camera, -0.5 * eye_distance, convergence), _eye(camera, 0.5 * eye_distance, convergence)
-
-
 def middle(shape: Sequence[int]) -> np.ndarray:
     """Return the middle (x, y, z) of a volume of shape (x, z, y)."""
     return 0.5 * (np.array([shape[0], shape[2], shape[1]], np.float64) - 1)
-
-
-def _eye(camera: Camera, aside: float, convergence: float) -> Camera:
-    """Return a camera moved sideways that sees the same point in its middle."""
-    if camera.perspective:
-        shift = (camera.shift[0] - aside / (convergence * camera.pixel), camera.shift[1])
-        return replace(camera, eye=camera.eye + aside * camera.right, shift=shift)
-    turn = math.atan2(aside, convergence)
-    forward = math.cos(turn) * camera.forward - math.sin(turn) * camera.right
-    right = math.cos(turn) * camera.right + math.sin(turn) * camera.forward
-    eye = camera.eye + convergence * (camera.forward - forward)
-    return replace(camera, eye=eye, right=right, forward=forward)
 
 
 def _axes(angle_deg: float, elevation_deg: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -232,13 +174,6 @@ def _pixel(field_of_view_deg: float, size: tuple[int, int]) -> float:
     if not 0 < field_of_view_deg < 180:
         raise ValueError(f"field_of_view_deg is {field_of_view_deg}, expected a number between 0 and 180")
     return 2 * math.tan(math.radians(field_of_view_deg) / 2) / size[1]
-
-
-def _unit(vector: np.ndarray, what: str) -> np.ndarray:
-    length = np.linalg.norm(vector)
-    if not 1e-9 < length < np.inf:
-        raise ValueError(f"{what} give no direction: they must be finite and differ")
-    return vector / length
 
 
 def _check_size(size: Sequence[int]) -> None:

@@ -8,9 +8,10 @@ import numpy as np
 
 from warpfluid.options import CameraOptions, RenderOptions
 from warpfluid.options.keys import Keyed
-from warpfluid.rendering.camera import Camera, middle, orthographic, perspective, stereo_pair
+from warpfluid.rendering.camera import Camera, middle, orthographic, perspective
 from warpfluid.rendering.camera_path import read_camera_path
 from warpfluid.rendering.looks import UNITS
+from warpfluid.rendering.stereo import stereo_pair
 
 LINES = 720  # of a picture whose size is not asked for
 FULL_TURN = 360.0

@@ -39,6 +39,7 @@ class InnerLight:
         light: The part of it that was never scattered: red, green and blue of the sky's, the share of all directions
             that are open, red, green and blue of the fires'; on a lattice ``factor`` times coarser, shape (7, x, z, y).
         factor: Voxels along an edge of one of that lattice.
+        fires: What glows, as lamps.
     """
 
     shadows: wp.array

@@ -14,18 +14,16 @@ from warpfluid.rendering.display import decode_srgb, develop, encode_srgb
 from warpfluid.rendering.lamps import Lamps
 from warpfluid.rendering.lighting import Lighting
 from warpfluid.rendering.look_files import read_look
-from warpfluid.rendering.looks import Look
+from warpfluid.rendering.looks import WHITE, Look
 from warpfluid.rendering.marching import march
 from warpfluid.rendering.medium import Curve, Medium
 from warpfluid.rendering.motion_blur import mean_picture, moments
 from warpfluid.rendering.picture import Picture
 from warpfluid.rendering.ramps import RAMPS, apply_ramp
 from warpfluid.rendering.shadows import InnerLight, light_volume
-from warpfluid.rendering.surfaces import Ground, Surface
+from warpfluid.rendering.surfaces import GREY, Ground, Surface
 
-WHITE = 255.0
 BRIGHTEST = 1e6  # grey level to which the sum is one straight line
-OBSTACLE = (0.5, 0.5, 0.52)  # share of light that it reflects
 Outline = tuple[np.ndarray, np.ndarray, str]
 
 
@@ -110,7 +108,7 @@ class Studio:
             return replace(picture, color=grey, emission=grey)
         options = self.lamps.options
         color = tuple(Keyed(options.body_color, 3).at(number))
-        colors = {"body": color, "obstacle": OBSTACLE}
+        colors = {"body": color, "obstacle": GREY}
         surfaces = [Surface(vertices, triangles, colors[kind]) for vertices, triangles, kind in outlines]
         ground = Ground(lit.medium.shape, tuple(Keyed(options.ground_color, 3).at(number))) if options.ground else None
         things = {"surfaces": surfaces, "ground": ground, **self._marching}
