@@ -78,7 +78,7 @@ class FrameBar:
     def finished(self, record: dict) -> None:
         """Note that a frame is done, or failed, and say how long the others will take."""
         self._count += 1
-        self._left -= 1
+        self._left = max(self._left - 1, 0)  # frames that build on one that changed come on top
         left = (time.perf_counter() - self._begin) / self._count * self._left
         self._under_way.pop(record["frame"], None)
         self._show()

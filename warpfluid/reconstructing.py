@@ -4,12 +4,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from warpfluid.cluster.pools import Asked, open_pool
-from warpfluid.cluster.spread import spread
-from warpfluid.errors import CannotWriteError, changed_since, describe
+from warpfluid.cluster.spread import Chain, spread
+from warpfluid.errors import CannotWriteError, changed_since, describe, writing
 from warpfluid.files.sequences import format_frames
 from warpfluid.footage.shot import Shot
 from warpfluid.progress import FrameBar, Progress
-from warpfluid.run import SETTINGS, Run
+from warpfluid.run import RECORDS, SETTINGS, Run
 from warpfluid.settings import Settings
 
 
@@ -74,24 +74,18 @@ def reconstruct_frames(work: Work, asked: Asked, device, log: Progress) -> None:
     Raises:
         KeyboardInterrupt: If it is stopped; it says how to go on.
     """
-    from warpfluid.reconstruction.pieces import make_pieces
     from warpfluid.reconstruction.systems import round_count
 
-    pieces = make_pieces(work.shot, work.settings.reconstruct)
-    known = sorted({*work.shot.frames, *work.records})
-    frames = pieces.to_make(work.shot.frames, known, work.records)
-    if len(frames) < len(work.shot.frames):
-        log.line(f"resume  {len(work.shot.frames) - len(frames)} of {len(work.shot.frames)} frames are there")
-    groups = [group for group in pieces.chains(known) if not set(frames).isdisjoint(group)]
-    if not groups:
+    frames, chains = _plan(work, log)
+    if not chains:
         return
-    if not asked.is_alone and len(groups) == 1 < len(frames):
+    if not asked.is_alone and len(chains) == 1 < len(frames):
         log.notes(["each frame builds on the one before: cut the shot with --piece, or choose --coherence none"])
-    chains, count = _chains(work, pieces, groups, known, log), 0
+    count = 0
     try:
         with (
             log.frames(frames, round_count(work.settings.reconstruct)) as bar,
-            _open(work, asked, device, len(groups), bar, log) as pool,
+            _open(work, asked, device, len(chains), bar, log) as pool,
         ):
             for task, outcome in spread(chains, pool):
                 _note(work, {"frame": task.frame, **outcome}, bar)
@@ -106,17 +100,23 @@ def reconstruct_frames(work: Work, asked: Asked, device, log: Progress) -> None:
     _name_the_rest(work)
 
 
-def _chains(work: Work, pieces, groups: list[list[int]], known: list[int], log: Progress) -> list:
-    """Return the chains of a shot; a frame that will be made again counts as missing from then on."""
-    from warpfluid.reconstruction.pieces import frame_chain
+def _plan(work: Work, log: Progress) -> tuple[list[int], list[Chain]]:
+    """Return the frames to make if all succeed, and chains that make them, or fewer or more where some do not."""
+    from warpfluid.reconstruction.pieces import frame_chain, make_pieces
 
     def forget(frames: list[int]) -> None:
         which = f"frames {format_frames(frames)} are" if len(frames) > 1 else f"frame {frames[0]} is"
         log.notes([f"{which} made again: what comes before has changed"])
-        work.run.forget(frames)
+        with writing(work.run.folder / RECORDS):
+            work.run.forget(frames)
 
-    records = dict(work.records)
-    return [frame_chain(pieces, group, work.shot.frames, known, records, forget) for group in groups]
+    pieces, wanted, records = make_pieces(work.shot, work.settings.reconstruct), work.shot.frames, dict(work.records)
+    known = sorted({*wanted, *records})
+    frames = pieces.to_make(wanted, known, records)
+    if len(frames) < len(wanted):
+        log.line(f"resume  {len(wanted) - len(frames)} of {len(wanted)} frames are there")
+    groups = [group for group in pieces.chains(known) if not set(frames).isdisjoint(group)]
+    return frames, [frame_chain(pieces, group, wanted, known, records, forget) for group in groups]
 
 
 def _open(work: Work, asked: Asked, device, tasks: int, bar: FrameBar, log: Progress):

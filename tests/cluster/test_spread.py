@@ -73,6 +73,31 @@ def test_a_task_that_kills_its_workers_is_given_up():
     assert {task for task, outcome in ended.items() if "made" in outcome} == {"a", "b"}
 
 
+class Deserted(Shuffling):
+    """Workers that are all away at times."""
+
+    def __init__(self, away):
+        super().__init__(1, min)
+        self.away = away
+
+    def is_free(self):
+        return not self.away and super().is_free()
+
+    def wait(self):
+        if self.away:
+            self.away -= 1
+            return []
+        (ended,) = super().wait()
+        self.away = 2
+        return [ended]
+
+
+def test_nobody_is_there_for_a_while():
+    """Work waits for those who come, at the begin and between."""
+    ended = list(spread([chain("a", 3), chain("b", 2)], Deserted(away=3)))
+    assert [task for task, _ in ended] == [("a", 0), ("a", 1), ("a", 2), ("b", 0), ("b", 1)]
+
+
 def test_an_error_that_says_stop():
     """Nothing else is begun; what is under way is waited for."""
 
