@@ -55,3 +55,6 @@ def volumes(folder: Path) -> dict[str, bytes]:
 def numbers(folder: Path) -> list[int]:
     """Return the frame of every line of the records; each line must be whole."""
     return [json.loads(line)["frame"] for line in (folder / "frames.jsonl").read_text().splitlines()]
+
+
+METHOD_FLAGS = tuple(quick("--quiet"))

@@ -236,7 +236,10 @@ def _name(info: zipfile.ZipInfo) -> str:
 
 def _array(data: bytes) -> np.ndarray:
     _head(io.BytesIO(data), len(data))
-    return np.lib.format.read_array(io.BytesIO(data), allow_pickle=False)
+    array = np.lib.format.read_array(io.BytesIO(data), allow_pickle=False)
+    if array.dtype.kind == "U":
+        array.tolist()  # fails where bytes are no letters
+    return array
 
 
 def _head(member: BinaryIO, size: int) -> tuple[tuple[int, ...], np.dtype]:

@@ -11,10 +11,11 @@ from pathlib import Path
 import numpy as np
 
 from warpfluid.files.grids import GridFacts, GridFile
+from warpfluid.files.limits import VOXELS_AN_ACTIVE
 
 NEAR = 0.02  # of a voxel: what transforms in 32 bits get wrong
 FREE = 2**25  # voxels of a lattice
-VOXELS_A_BYTE = 256  # more of them for a byte of the files: what is sparse is small, but not that small
+VOXELS_A_BYTE = 512  # more of them for a byte of the files: what is sparse is small, but not that small
 FAR = 2.0**40  # voxels; what lies further aside is outside anyway
 SAME = 1e-4  # relative difference of voxel sizes that counts as none
 
@@ -91,12 +92,15 @@ def lit_part(file: GridFile) -> Lattice | None:
     return Lattice(file.voxel_size, origin, tuple(int(span[1] - span[0]) + 1 for span in spans))
 
 
-def join(parts: Mapping[Path, Lattice | None], *, free: int = FREE) -> Lattice | None:
+def join(
+    parts: Mapping[Path, Lattice | None], *, free: int = FREE, active: Mapping[Path, int] | None = None
+) -> Lattice | None:
     """Return the lattice that holds all others; None if there is none.
 
     Args:
         parts: By the file that each is of.
         free: Voxels that may be empty, whatever the size of the files.
+        active: Voxels of every file that are not empty, where that is known.
 
     Raises:
         ValueError: If voxels differ in size, or lie between those of others, or are too many.
@@ -116,8 +120,9 @@ def join(parts: Mapping[Path, Lattice | None], *, free: int = FREE) -> Lattice |
         lows.append(np.rint(offset))
         highs.append(np.rint(offset) + part.shape)
     low, high = np.min(lows, 0), np.max(highs, 0)
-    stored = sum(path.stat().st_size for path in there)
-    if not np.prod(high - low) <= free + VOXELS_A_BYTE * stored:
+    most = {path: VOXELS_A_BYTE * path.stat().st_size for path in there}
+    room = sum(min(VOXELS_AN_ACTIVE * (active or most).get(path, n), n) for path, n in most.items())
+    if not np.prod(high - low) <= free + room:
         sides = " x ".join(f"{n:.0f}" for n in high - low)
         where = first_path.parent if len(there) > 1 else first_path
         raise ValueError(f"{where}: the volumes are spread over {sides} voxels; choose fewer frames")

@@ -15,7 +15,7 @@ from warpfluid.footage.sources import file_hash, parse_view
 from warpfluid.options import OutputOptions
 from warpfluid.run import SETTINGS, Run
 from warpfluid.volumes.find import find_volumes
-from warpfluid.volumes.lattice import Lattice, join, lattice_of
+from warpfluid.volumes.lattice import FREE, Lattice, join, lattice_of
 from warpfluid.volumes.reading import checked_density, file_facts, read_density, read_grids
 
 ANGLES_DEG = (0.0, 90.0)  # that volumes of other programs are seen from
@@ -225,7 +225,7 @@ def _find_density(path: Path, facts: list[GridFacts], asked: str | None) -> tupl
 
 def _common(files: dict[int, Path], facts: dict[int, list[GridFacts]], density: str, up: str) -> Lattice | None:
     """Return the lattice of all frames; of one voxel where none holds anything, None where files tell no place."""
-    parts = {}
+    parts, active = {}, {}
     for frame, path in files.items():
         grid = next((grid for grid in facts[frame] if grid.name == density), None)
         if grid is None or not grid.readable:
@@ -236,8 +236,14 @@ def _common(files: dict[int, Path], facts: dict[int, list[GridFacts]], density: 
         boxes = [other.whole for other in fit if other.whole is not None]
         whole = np.array([np.min(boxes, 0)[0], np.max(boxes, 0)[1]]) if boxes else None
         parts[path] = lattice_of(grid, whole, up)
-    grids = [grid for grids in facts.values() for grid in grids]
-    own = any(grid.up for grid in grids)  # an empty frame of ours keeps its box
-    most = max((sum(3 if grid.kind == "vec3s" else 1 for grid in grids) for grids in facts.values()), default=1)
-    found = join(parts, free=EMPTY // max(most, 1)) if own else join(parts)
+        if all(other.active is not None for other in fit):
+            active[path] = sum(other.active for other in fit)
+    found = join(parts, free=_free(facts.values()), active=active)
     return found or (Lattice(1.0, (0.0, 0.0, 0.0), (1, 1, 1)) if parts else None)
+
+
+def _free(files: Collection[list[GridFacts]]) -> int:
+    """Return how many voxels of a sequence may be empty: an empty frame of ours keeps its box."""
+    own = any(grid.up for grids in files for grid in grids)
+    numbers = max((sum(3 if grid.kind == "vec3s" else 1 for grid in grids) for grids in files), default=1)
+    return EMPTY // max(numbers, 1) if own else FREE
