@@ -19,7 +19,7 @@ from warpfluid.rendering.turntable import in_a_row
 from warpfluid.settings import make_simulate_settings
 from warpfluid.simulation.animate import Animator
 from warpfluid.simulation.animation import Animation
-from warpfluid.simulation.source import open_source
+from warpfluid.simulation.source import empty_box
 
 SIZE = (24, 36)  # a small box; 48 x 72 and more shows the curls
 FRAMES = (6, 12, 18, 24, 30)
@@ -32,7 +32,7 @@ FRAMES = (6, 12, 18, 24, 30)
 def play(name: str) -> tuple[list[np.ndarray], str]:
     """Return how a preset looks from the front at the chosen frames, shape (u, v), and its colour ramp."""
     settings = make_simulate_settings(None, None, None, {}, size=SIZE, preset=name)
-    box = open_source(None, size=SIZE)
+    box = empty_box(SIZE)
     choices = {"options": settings.simulate, "scene": settings.scene, "output": settings.output}
     animator = Animator(Animation(source=box, device=wp.get_device("cpu"), **choices), (1,))
     images = []

@@ -32,7 +32,8 @@ from warpfluid.settings import make_simulate_settings
 from warpfluid.simulation.animate import Animator
 from warpfluid.simulation.animation import Animation
 from warpfluid.simulation.detail import Detail
-from warpfluid.simulation.source import Source, open_source
+from warpfluid.simulation.source import Source, empty_box, fill_box
+from warpfluid.volumes import open_volumes
 
 SIZE, FRAMES, ZOOM = (24, 36), 36, 5.0
 PLUME = "sphere center=0,1,0 radius=0.8 density=4 temperature=1 velocity=0,5,0 drive=4 noise=0.7"
@@ -65,7 +66,7 @@ def animate(words: str, source: Source | None = None, frames: int = FRAMES, **th
     """Simulate some frames; things are lines by kind."""
     scene = Scene(**{kind: tuple(parse_thing(kind, line) for line in things.get(kind, ())) for kind in THINGS})
     animation = Animation(
-        source=source or open_source(None, size=SIZE),
+        source=source or empty_box(SIZE),
         options=options_of(words),
         scene=scene,
         output=OutputOptions(),
@@ -136,7 +137,7 @@ def lit(density: np.ndarray, full: float) -> np.ndarray:
 
 blast = make_simulate_settings(None, None, None, {}, size=(48, 72), preset="explosion")
 plan = Animation(
-    source=open_source(None, size=blast.size),
+    source=empty_box(blast.size),
     options=replace(blast.simulate, detail=2),
     scene=blast.scene,
     output=blast.output,
@@ -215,7 +216,7 @@ samples = files("warpfluid") / "samples"
 command = f"reconstruct --view 0={samples}/front.####.png --view 90={samples}/side.####.png --resolution 48 --angles 60"
 quiet = f"--no-turntable --no-report --quiet -o {run_folder}"
 subprocess.run([sys.executable, "-m", "warpfluid", *shlex.split(f"{command} {quiet}")], check=True)
-fire = open_source(str(run_folder), size=None)
+fire = fill_box(open_volumes(str(run_folder)))
 EDIT = "wind=10,0,0 wind-drag=6"
 same = {"ramp": "fire", "source": fire, "frames": len(fire.frames), "emitter": []}
 draw("fidelity", ("0", "0.1", "1"), EDIT, **same)

@@ -44,11 +44,11 @@ def play(kind: str, frames: tuple[int, ...], size: tuple[int, int], *, seed: int
     from warpfluid.settings import make_simulate_settings
     from warpfluid.simulation.animate import Animator
     from warpfluid.simulation.animation import Animation
-    from warpfluid.simulation.source import open_source
+    from warpfluid.simulation.source import empty_box
 
     settings = make_simulate_settings(None, None, None, {}, size=size, preset=kind)
     options = type(settings.simulate)(**vars(settings.simulate) | {"turbulence_seed": seed})
-    box = open_source(None, size=size)
+    box = empty_box(size)
     animator = Animator(
         Animation(
             source=box, options=options, scene=settings.scene, output=settings.output, device=wp.get_device("cpu")

@@ -89,7 +89,7 @@ def test_a_cluster(capsys):
     """Its workers are counted, with the versions they have."""
     distributed = pytest.importorskip("distributed")
     with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None, worker_dashboard_address=None
+        n_workers=2, threads_per_worker=1, processes=False, dashboard_address=":0", worker_dashboard_address=None
     ) as cluster:
         assert run("doctor", "--cluster", cluster.scheduler_address) == 0
         assert f": 2 workers, 2 threads, warpfluid {__version__} on 2" in capsys.readouterr().out

@@ -9,7 +9,8 @@ from warpfluid.options import THINGS, OutputOptions, Scene, SimulateOptions
 from warpfluid.options.scene import parse_thing
 from warpfluid.simulation.animate import Animator
 from warpfluid.simulation.animation import Animation
-from warpfluid.simulation.source import open_source
+from warpfluid.simulation.source import fill_box
+from warpfluid.volumes import open_volumes
 
 SHAPE = (16, 16, 24)
 
@@ -21,7 +22,7 @@ def blobs(tmp_path):
     for frame in (1, 2, 3):
         far = (x - 7.5) ** 2 + (z - 7.5) ** 2 + (y - 6 - 2 * frame) ** 2
         write_npz(tmp_path / f"blob.{frame}.npz", np.exp(-far / 8).astype(np.float32).transpose(0, 2, 1))
-    return open_source(str(tmp_path), size=None)
+    return fill_box(open_volumes(tmp_path))
 
 
 def animator(source, device, *, frames=(1, 2, 3), things=None, **options) -> Animator:

@@ -16,7 +16,7 @@ from warpfluid.settings import SimulateSettings
 from warpfluid.simulation.animate import Animator
 from warpfluid.simulation.animation import Animation
 from warpfluid.simulation.detail import Detail, mean_strain
-from warpfluid.simulation.source import open_source
+from warpfluid.simulation.source import empty_box
 from warpfluid.simulation.state import CELLS, Faces, FluidState, face_shape, six_sides
 
 SHAPE, FULL = (20, 16, 24), 2.0
@@ -169,7 +169,7 @@ def test_files_are_finer_and_runs_go_on(tmp_path, device):
     emitter = parse_thing("emitter", "sphere center=0,2,0 radius=1.5 density=4 temperature=1 noise=1")
     scene, output = Scene(emitter=(emitter,)), OutputOptions(voxel_size=0.1, turntable=False, report=False)
     settings = SimulateSettings(source=None, size=(12, 16), simulate=options, scene=scene, output=output)
-    source = open_source(None, size=(12, 16))
+    source = empty_box((12, 16))
     plan = Animation(source=source, options=options, scene=scene, output=output, device=pick_device(device))
     whole, parts = Run(tmp_path / "whole"), Run(tmp_path / "parts")
     whole.begin(settings, {})

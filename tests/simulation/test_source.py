@@ -7,11 +7,11 @@ import pytest
 
 from warpfluid.files.npz import write_npz
 from warpfluid.files.vdb import write_vdb
-from warpfluid.options import InputOptions, OutputOptions, ReconstructOptions
+from warpfluid.options import USUAL_SIZE, InputOptions, OutputOptions, ReconstructOptions
 from warpfluid.run import Run
 from warpfluid.settings import Settings
-from warpfluid.simulation.source import open_source
-from warpfluid.volumes import find_volumes
+from warpfluid.simulation.source import empty_box, fill_box
+from warpfluid.volumes import find_volumes, open_volumes
 
 ORIGIN = (0.0, 0.0, 0.0)
 
@@ -46,7 +46,7 @@ def run(tmp_path) -> Run:
 
 def test_a_run(run):
     """Its volumes as they are, its views' angles, and the way its files are stored."""
-    source = open_source(str(run.folder), size=None)
+    source = fill_box(open_volumes(str(run.folder)))
     assert source.frames == (7, 8)
     assert source.volumes.angles_deg == (0.0, 60.0)
     assert (source.volumes.scale, source.volumes.output.voxel_size, source.volumes.output.up) == (1.0, 0.5, "z")
@@ -60,7 +60,7 @@ def test_a_run_without_frames(run):
     """It has to be reconstructed first."""
     (run.folder / "frames.jsonl").unlink()
     with pytest.raises(ValueError, match="has no finished frame: reconstruct it first"):
-        open_source(str(run.folder), size=None)
+        fill_box(open_volumes(str(run.folder)))
 
 
 @pytest.mark.parametrize("kind", [".vdb", ".npz"])
@@ -69,7 +69,7 @@ def test_volumes_of_another_program(tmp_path, kind, scale):
     """Whatever their unit: the brightest ray of the first is 255, and the others keep to its scale."""
     for frame in (3, 5):
         write(tmp_path / "a" / f"smoke_v2.{frame:04d}{kind}", cloud(frame - 2) * scale * (1 if frame == 3 else 0.5))
-    source = open_source(str(tmp_path / "a"), size=None)
+    source = fill_box(open_volumes(str(tmp_path / "a")))
     assert source.frames == (3, 5)
     assert source.volumes.angles_deg == (0.0, 90.0)
     assert source.volume(3).sum(axis=1).max() == pytest.approx(255, rel=1e-5)
@@ -108,13 +108,13 @@ def test_nothing_there(tmp_path, name):
     """The message says what is taken."""
     (tmp_path / "empty").mkdir()
     with pytest.raises(ValueError, match=r"has no volumes: name a run, or a folder, pattern or file of \.vdb, "):
-        open_source(str(tmp_path / name), size=None)
+        fill_box(open_volumes(str(tmp_path / name)))
 
 
 def test_a_box_that_is_not_square(tmp_path):
     """It is made as deep as it is wide, with the volume in the middle; nothing is lost."""
     path = write(tmp_path / "a.vdb", cloud(width=6, depth=10))
-    source = open_source(str(path), size=None)
+    source = fill_box(open_volumes(str(path)))
     volume = source.volume(1)
     assert volume.shape == source.shape == (10, 10, 12)
     whole = cloud(width=6, depth=10) * np.float32(source.volumes.scale)
@@ -126,7 +126,7 @@ def test_a_volume_that_grows(tmp_path):
     """A smaller one stands in the middle of the floor, a larger one is refused by its file."""
     for frame, width in ((1, 10), (2, 8), (3, 12)):
         write(tmp_path / f"a.{frame}.npz", cloud(width=width, depth=width))
-    source = open_source(str(tmp_path), size=None)
+    source = fill_box(open_volumes(str(tmp_path)))
     np.testing.assert_array_equal(source.volume(2)[1:9, 1:9], cloud() * np.float32(source.volumes.scale))
     with pytest.raises(ValueError, match=r"a\.3\.npz: the volume is larger than that of frame 1"):
         source.volume(3)
@@ -135,7 +135,7 @@ def test_a_volume_that_grows(tmp_path):
 @pytest.mark.parametrize(("factor", "shape"), [(0.5, (4, 4, 6)), (2.0, (16, 16, 24)), (1.5, (12, 12, 18))])
 def test_resolution_scale(run, factor, shape):
     """More or fewer voxels of the same picture: rays keep their sums, so it is as bright."""
-    source = open_source(str(run.folder), size=None, resolution_scale=factor)
+    source = fill_box(open_volumes(str(run.folder)), factor)
     volume = source.volume(7)
     assert volume.shape == source.shape == shape
     before, after = (v.sum(axis=1).sum() for v in (cloud(1), volume))
@@ -144,10 +144,10 @@ def test_resolution_scale(run, factor, shape):
 
 def test_an_empty_box():
     """As deep as wide, without frames."""
-    source = open_source(None, size=(24, 32))
+    source = empty_box((24, 32))
     assert (source.shape, source.frames, source.volumes.name) == ((24, 24, 32), (), "")
-    assert open_source(None, size=None).shape == (96, 96, 144)
-    assert open_source(None, size=(24, 32), resolution_scale=0.5).shape == (12, 12, 16)
+    assert empty_box(USUAL_SIZE).shape == (96, 96, 144)
+    assert empty_box((24, 32), 0.5).shape == (12, 12, 16)
 
 
 @pytest.mark.parametrize(("value", "frame"), [(np.nan, 1), (np.inf, 1), (-1.0, 1), (np.nan, 2)])
@@ -158,7 +158,7 @@ def test_bad_densities(tmp_path, value, frame):
         volume[4, 4, 4] = value if number == frame else 1
         write(tmp_path / f"a.{number}.npz", volume)
     with pytest.raises(ValueError, match=rf"a\.{frame}\.npz: the density is negative or not finite"):
-        open_source(str(tmp_path), size=None).volume(2)
+        fill_box(open_volumes(str(tmp_path))).volume(2)
 
 
 @pytest.mark.parametrize("kind", [".vdb", ".npz"])
@@ -169,7 +169,7 @@ def test_damaged_files(tmp_path, kind):
     for damage in (data[: len(data) // 2], b"", b"hello"):
         path.write_bytes(damage)
         with pytest.raises(ValueError, match=f"a{kind}"):
-            open_source(str(path), size=None)
+            fill_box(open_volumes(str(path)))
 
 
 def test_a_file_without_density(tmp_path):
@@ -177,20 +177,20 @@ def test_a_file_without_density(tmp_path):
     grids = {name: cloud().transpose(0, 2, 1) for name in ("heat", "fuel")}
     write_vdb(tmp_path / "a.vdb", grids, voxel_size=1.0, origin=ORIGIN)
     with pytest.raises(ValueError, match=r"a\.vdb: there is no grid density, it has heat, fuel: choose one"):
-        open_source(str(tmp_path / "a.vdb"), size=None)
+        fill_box(open_volumes(str(tmp_path / "a.vdb")))
     vectors = np.ones((4, 4, 4, 3), np.float32)
     write_vdb(tmp_path / "b.vdb", {"density": vectors}, voxel_size=1.0, origin=ORIGIN)
     with pytest.raises(ValueError, match=r"b\.vdb: density has shape \(4, 4, 4, 3\), expected one number a voxel"):
-        open_source(str(tmp_path / "b.vdb"), size=None)
+        fill_box(open_volumes(str(tmp_path / "b.vdb")))
 
 
 def test_whether_a_file_has_changed(run, tmp_path):
     """A run is resumed only with the volumes that it began with, wherever their folder is."""
-    before = open_source(str(run.folder), size=None).volumes.hashes()
+    before = fill_box(open_volumes(str(run.folder))).volumes.hashes()
     assert before.keys() == {"7", "8"}
     shutil.copytree(run.folder, tmp_path / "moved")
-    assert open_source(str(tmp_path / "moved"), size=None).volumes.hashes() == before
+    assert fill_box(open_volumes(str(tmp_path / "moved"))).volumes.hashes() == before
     run.volume_path(8).write_bytes(run.volume_path(7).read_bytes())
-    after = open_source(str(run.folder), size=None).volumes.hashes()
+    after = fill_box(open_volumes(str(run.folder))).volumes.hashes()
     assert after["7"] == before["7"]
     assert after["8"] != before["8"]

@@ -30,9 +30,9 @@ class Alignment:
         """Return it in words: 3 frames later, 2 pixels up, x 1.02 in size, x 1.25 in light."""
         parts = []
         if self.time:
-            parts.append(f"{_count(self.time, 'frame')} {'later' if self.time > 0 else 'earlier'}")
+            parts.append(f"{count_of(self.time, 'frame')} {'later' if self.time > 0 else 'earlier'}")
         if self.shift:
-            parts.append(f"{_count(self.shift, 'pixel')} {'up' if self.shift > 0 else 'down'}")
+            parts.append(f"{count_of(self.shift, 'pixel')} {'up' if self.shift > 0 else 'down'}")
         if self.scale != 1:
             parts.append(f"x {self.scale:g} in size")
         if self.gain != 1:
@@ -137,6 +137,6 @@ def _view_at(angle_deg: float, angles_deg: Sequence[float], name: str) -> int:
     raise ValueError(f"--view-{name} names view {angle_deg:g}, which is not there: the views are {there}")
 
 
-def _count(number: float, noun: str) -> str:
+def count_of(number: float, noun: str) -> str:
     """Return how many of a thing, whatever the direction: 1 frame, 2.3 pixels."""
     return f"{abs(number):g} {noun}{'s' * (abs(number) != 1)}"

@@ -1,5 +1,6 @@
 """What the user could do about what the check of footage found, in sentences."""
 
+from warpfluid.footage.alignment import count_of
 from warpfluid.footage.estimate import affordable_width, format_duration
 from warpfluid.footage.matting import LIT
 from warpfluid.options import BRIGHT_FLAME, ReconstructOptions
@@ -78,10 +79,10 @@ def _pair_hints(pair, equalize_rows: bool) -> list[str]:
     steps = []
     if remedy.time_offset:
         when = "earlier" if remedy.time_offset > 0 else "later"
-        steps.append(f"play it {_count(remedy.time_offset, 'frame')} {when}")
+        steps.append(f"play it {count_of(remedy.time_offset, 'frame')} {when}")
     if remedy.vertical_shift:
         where = "up" if remedy.vertical_shift > 0 else "down"
-        steps.append(f"move it {where} by {_count(remedy.vertical_shift, 'pixel')}")
+        steps.append(f"move it {where} by {count_of(remedy.vertical_shift, 'pixel')}")
     if abs(remedy.exposure_scale - 1) > 0.02 and (steps or not equalize_rows):
         steps.append(f"multiply its light by {remedy.exposure_scale:.2f}")
     if not steps:
@@ -90,8 +91,3 @@ def _pair_hints(pair, equalize_rows: bool) -> list[str]:
         f"{name}: its rows disagree with view {pair.reference_deg:g} by {remedy.disagreement:.0%}: "
         f"{', '.join(steps)}, and {remedy.disagreement_after:.0%} is left; --align auto does it"
     ]
-
-
-def _count(number: int, noun: str) -> str:
-    """Return how many of a thing, whatever the direction: 1 frame, 2 frames."""
-    return f"{abs(number)} {noun}{'s' * (abs(number) != 1)}"

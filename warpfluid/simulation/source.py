@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from warpfluid.options import USUAL_SIZE
-from warpfluid.volumes import VolumeSequence, boxed, open_volumes
+from warpfluid.volumes import VolumeSequence, boxed
 
 FULL = 0.99  # quantile of the density that counts as full
 WIDE = 4.0  # heights of a box are this many widths of a usual plume
@@ -45,23 +44,6 @@ class Source:
             path = self.volumes.files[frame]
             raise ValueError(f"{path}: the volume is larger than that of frame {self.frames[0]}")
         return volume
-
-
-def open_source(name: str | None, *, size: tuple[int, int] | None, resolution_scale: float = 1.0) -> Source:
-    """Find what a simulation starts from.
-
-    Args:
-        name: A run; a folder, a pattern (``smoke.####.vdb``) or a file of volumes, .vdb or .npz; None for an empty box.
-        size: Width and height of an empty box [voxel].
-        resolution_scale: Voxels of the simulation for one of the source, along each axis.
-
-    Raises:
-        ValueError: If there is nothing to start from.
-        OSError: If it cannot be read.
-    """
-    if name is None:
-        return empty_box(size or USUAL_SIZE, resolution_scale)
-    return fill_box(open_volumes(name), resolution_scale)
 
 
 def empty_box(size: tuple[int, int], resolution_scale: float = 1.0) -> Source:
