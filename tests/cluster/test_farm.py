@@ -14,8 +14,11 @@ import pytest
 from chores import Chores
 
 from warpfluid.cluster import farm as farms
+from warpfluid.cluster import remote
+from warpfluid.cluster.pools import Asked, reach
 from warpfluid.cluster.scheduler import Scheduler
 from warpfluid.cluster.spread import Lost, single, spread
+from warpfluid.cluster.workforce import PROCESS_BYTES
 
 pytest.importorskip("distributed")
 pytestmark = [
@@ -96,7 +99,7 @@ def test_workers_come_and_go(cluster, tmp_path, monkeypatch):
             monkeypatch.setattr(farms, "ALONE", 1.0)
             with pytest.raises(ConnectionError, match="none came in 1 s"):
                 list(spread([single(("sleep", 0.1))], pool))
-    assert "1 worker is left out, 0.1 GB of memory, and a frame needs 0.52 GB" in "\n".join(said)
+    assert "1 worker is left out, it may take 0.1 GB of memory, and a frame needs 0.52 GB" in "\n".join(said)
     assert {int(path.stem) for path in tmp_path.glob("*.got")} == set(pids)  # each got the job once
     assert others[1].pid not in pids
 
@@ -146,6 +149,28 @@ def test_workers_that_dask_gives_up(tmp_path):
     assert not isinstance(outcome, Lost)
     assert outcome == {"error": "its workers were killed (out of memory?)"}
     assert pool.is_free()
+
+
+def test_a_worker_that_was_started_again():
+    """At the same address, so that nobody saw it go: it has no job. It is looked at as one that came."""
+    forgotten = []
+    pool = Scheduler(print, SimpleNamespace(client=None, forget=forgotten.append), "cpu", print)
+    future = SimpleNamespace(key="a", status="finished", result=lambda timeout: remote.work("gone", "cpu", 1))
+    pool._under_way["a"] = future, "tcp://b"
+    assert isinstance(pool._conclude(future), Lost)
+    assert forgotten == ["tcp://b"]
+    assert not pool.is_free()
+
+
+@pytest.mark.parametrize(("device", "need"), [("auto", 7), ("cpu", 7), ("cuda:1", 0)])
+def test_the_memory_that_workers_must_have(monkeypatch, device, need):
+    """That of a process, and of a frame, unless that is on a GPU."""
+    asked, wanted = Asked(device=device, cluster="tcp://a:1"), []
+    monkeypatch.setattr(farms, "_connect", lambda address: SimpleNamespace(close=lambda timeout: None))
+    monkeypatch.setattr(farms.Farm, "_await_workers", lambda farm: wanted.append(farm._need))
+    with reach(asked, need=7, folder=Path("/"), say=print) as crew:
+        assert crew.farm
+    assert wanted == [PROCESS_BYTES + need]
 
 
 def test_the_folder_that_workers_must_see(tmp_path, monkeypatch):

@@ -25,7 +25,7 @@ class Farm:
     Args:
         address: Of the scheduler, such as ``tcp://host:8786``.
         folder: Where results will go; every worker must see it, or what is there of its path.
-        need: Memory of a task [byte]; workers with less get none.
+        need: Memory of a worker with a task [byte]; those with less get none.
         say: Called with what the user should know.
 
     Raises:
@@ -117,7 +117,7 @@ class Farm:
         if not sees:
             return f"{self._folder} is not seen from there, results must go into a folder that all share"
         if 0 < memory < self._need:
-            return f"{memory / 1e9:.2g} GB of memory, and a frame needs {self._need / 1e9:.2g} GB"
+            return f"it may take {memory / 1e9:.2g} GB of memory, and a frame needs {self._need / 1e9:.2g} GB"
         return ""
 
     def _await_workers(self) -> None:

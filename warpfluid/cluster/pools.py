@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from warpfluid.cluster.here import Here
 from warpfluid.cluster.spread import Job, Pool
-from warpfluid.cluster.workforce import make_workforce
+from warpfluid.cluster.workforce import PROCESS_BYTES, make_workforce
 from warpfluid.device import compile_kernels, gpus
 from warpfluid.options.machine import parse_jobs
 
@@ -64,6 +64,7 @@ def reach(asked: Asked, *, need: int, folder: Path, say: Callable[[str], None]) 
         return
     from warpfluid.cluster.farm import Farm
 
+    need = PROCESS_BYTES + (0 if asked.device.startswith("cuda") else need)
     with Farm(asked.cluster, folder=folder, need=need, say=say) as farm:
         yield replace(asked, farm=farm)
 

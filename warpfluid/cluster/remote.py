@@ -48,7 +48,9 @@ def work(name: str, device: str, task: Any) -> dict | None:
     os.environ.setdefault("WARPFLUID_THREADS", str(worker.state.nthreads))
     from warpfluid.device import pick_device
 
+    def tell(*message) -> None:
+        worker.log_event(name, list(map(float, message)))
+
     with held.lock:
         held.job = held.job or pickle.loads(held.packed)
-        told = lambda *message: worker.log_event(name, list(map(float, message)))  # noqa: E731
-        return attempt(held.job, task, pick_device(device), told)
+        return attempt(held.job, task, pick_device(device), tell)
