@@ -30,6 +30,8 @@ def check_table(path: str | Path) -> None:
         OSError: If the file cannot be read.
     """
     head, _, text = Path(path).read_bytes().partition(b"\n")
+    if not text.strip():
+        raise ValueError(f"{path} is empty or cut off: bring it back as it was, or begin anew with --overwrite")
     told = re.fullmatch(re.escape(HEAD.encode()) + rb"([0-9a-f]{8})\r?", head)
     if told and int(told[1], 16) != zlib.crc32(text):
         raise ValueError(
