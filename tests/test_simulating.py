@@ -432,3 +432,11 @@ def test_a_preset_begins_with_the_first_frame(tmp_path):
     assert sorted(late.records()) == [1001, 1002, 1003]
     assert late.volume(1001).max() > 0
     np.testing.assert_array_equal(late.volume(1002), Run(tmp_path / "one").volume(2))
+
+
+def test_how_long_it_takes(tmp_path, capsys):
+    """Each line but the first, which costs nothing, and the last says how much longer."""
+    flags = ["--preset", "smoke", "--preroll", "0", "--size", "16x24", "--frames", "1-4", "--device", "cpu", *BARE]
+    assert run("simulate", *flags, "-o", tmp_path / "out") == 0
+    lines = [line for line in capsys.readouterr().err.splitlines() if line.startswith("frame ")]
+    assert [line.endswith(" left") for line in lines] == [False, True, True, False]

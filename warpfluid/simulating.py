@@ -184,8 +184,8 @@ def _animate(run: Run, settings: SimulateSettings, source: Source, frames, devic
     took = []
     try:
         for record in Animator(animation, frames).run(run, resume=resume):
-            took.append(record["seconds"])
-            left = sum(took) / len(took) * sum(frame > record["frame"] for frame in frames)
+            took += [record["seconds"]] if record["steps"] else []  # the first frame may be the source as it is
+            left = sum(took) / max(len(took), 1) * sum(frame > record["frame"] for frame in frames)
             exact = f", views {min(record['input_psnr']):.1f} dB" if "input_psnr" in record else ""
             made = f"{record['seconds']:.1f} s, {record['steps']} steps{exact}, {record['file']}"
             log.line(f"frame   {record['frame']}  {made}{say_left(left)}")
