@@ -102,7 +102,9 @@ def simulate(source=None, config=None, lines=(), output=None, **more):
 )
 def test_order_of_a_simulation(tmp_path, monkeypatch, given, file, expected):
     """Flags over the preset and the paper's choices over a file over the defaults."""
-    monkeypatch.setattr("warpfluid.settings.of_simulation.preset_settings", lambda _, first: {"simulate": {"swirl": 4.0}})
+    monkeypatch.setattr(
+        "warpfluid.settings.of_simulation.preset_settings", lambda _, first: {"simulate": {"swirl": 4.0}}
+    )
     (tmp_path / "c.toml").write_text(tomli_w.dumps({"simulate": file}))
     made = simulate("a", tmp_path / "c.toml", **given)
     assert {name: getattr(made.simulate, name) for name in expected} == expected
