@@ -109,6 +109,33 @@ def test_names_units_and_a_threshold(tmp_path, source, capsys):
     assert told["frames"]["1"]["mass_dropped"] == pytest.approx(1 - kept.sum() / density.sum(), rel=1e-5)
 
 
+@pytest.mark.parametrize("damage", [lambda data: data[:-1], lambda data: data[:300] + b"!" + data[301:], lambda _: b""])
+def test_damaged_files_are_written_again(tmp_path, source, damage):
+    """Cut or changed anywhere; and a damaged record is named."""
+    out = tmp_path / "out"
+    assert run("export", source, "-o", out, "-q") == 0
+    path = out / "density.0002.vdb"
+    whole = path.read_bytes()
+    path.write_bytes(damage(whole))
+    assert run("export", source, "-o", out, "--resume", "-q") == 0
+    assert path.read_bytes() == whole
+
+
+@pytest.mark.parametrize(("old", "new"), [("density.0002", "../stray"), ("shape", "shepe"), ("0.25", "0.26")])
+def test_a_damaged_record_is_named(tmp_path, source, capsys, old, new):
+    """Nothing is deleted that it names, and nothing is taken from it."""
+    (tmp_path / "stray.vdb").touch()
+    out = tmp_path / "out"
+    assert run("export", source, "-o", out, "-q") == 0
+    text = (out / "export.json").read_text()
+    assert old in text
+    (out / "export.json").write_text(text.replace(old, new))
+    for flag in ("--resume", "--overwrite"):
+        assert run("export", source, "-o", out, flag, "-q") == 2
+        assert "export.json is damaged" in capsys.readouterr().err
+    assert (tmp_path / "stray.vdb").exists()
+
+
 def test_going_on(tmp_path, source, capsys):
     """Frames that are there are kept, unless their source has changed; other choices are refused."""
     out = tmp_path / "out"

@@ -107,3 +107,32 @@ print(any("OpenGL" in name for name in sys.modules))
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=True)
     assert done.stdout.split() == ["False"]
+
+
+@pytest.mark.parametrize("first", [1, -10])
+def test_many_corners_objects_and_materials(tmp_path, first):
+    """A prism over a pentagon, in two objects, its corners counted from the front or from the back."""
+    turns = np.arange(5) * 2 * np.pi / 5
+    lines = ["mtllib ../../not-there.mtl", "o one", "usemtl a"]
+    lines += [f"v {np.cos(turn)} {y} {-np.sin(turn)}" for y in (0, 1) for turn in turns]
+    sides = [(k, (k + 1) % 5, (k + 1) % 5 + 5, k + 5) for k in range(5)]
+    for number, face in enumerate([range(4, -1, -1), range(5, 10), *sides]):
+        lines += ["o two", "usemtl b"] if number == 1 else []
+        lines.append("f " + " ".join(str(corner + first) for corner in face))
+    (tmp_path / "prism.obj").write_text("\n".join(lines) + "\n")
+    vertices, triangles = read_mesh(tmp_path / "prism.obj")
+    check_closed(vertices, triangles)
+    assert (len(vertices), len(triangles)) == (10, 16)
+    assert weigh(vertices, triangles).volume == pytest.approx(2.5 * np.sin(2 * np.pi / 5))
+
+
+def test_text_that_is_cut_off(tmp_path):
+    """An STL as text ends in a word; without it triangles are missing."""
+    text = (
+        "solid box\n" + "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
+    )
+    (tmp_path / "a.stl").write_text(text + "endsolid box\n")
+    assert len(read_mesh(tmp_path / "a.stl")[1]) == 1
+    (tmp_path / "a.stl").write_text(text)
+    with pytest.raises(ValueError, match=r"a\.stl is no mesh, or damaged"):
+        read_mesh(tmp_path / "a.stl")

@@ -83,3 +83,55 @@ def test_a_file_cut_short(tmp_path):
     (tmp_path / "a.vti").write_bytes(data[: len(data) // 2])
     with pytest.raises(ValueError, match=r"a\.vti: the file is damaged"):
         read_vti(tmp_path / "a.vti")
+
+
+@pytest.mark.parametrize("mode", ["Appended", "Binary", "Ascii"])
+@pytest.mark.parametrize("coded", [0, 1])
+@pytest.mark.parametrize("packed", [False, True])
+@pytest.mark.parametrize("bits", [32, 64])
+def test_every_encoding_of_vtk(tmp_path, mode, coded, packed, bits):
+    """Values as text, as base64, as bytes, packed or not, of either byte order, at points and in cells."""
+    from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
+
+    path, chance = tmp_path / "a.vti", np.random.default_rng(0)
+    for cells, dtype, order in ((False, np.float64, "Little"), (True, np.int16, "Big")):
+        image = pyvista.ImageData(dimensions=(20, 15, 25), spacing=(0.5, 0.5, 0.5), origin=(1, 2, 3))
+        image.offset = (2, -3, 0)
+        data = image.cell_data if cells else image.point_data
+        count = image.n_cells if cells else image.n_points
+        data["density"] = (100 * chance.random(count)).astype(dtype)
+        data["<a> & b"] = chance.normal(size=(count, 3)).astype(np.float32)
+        writer = vtkXMLImageDataWriter()
+        writer.SetFileName(str(path))
+        writer.SetInputData(image)
+        getattr(writer, f"SetDataModeTo{mode}")()
+        getattr(writer, f"SetByteOrderTo{order}Endian")()
+        writer.SetEncodeAppendedData(coded)
+        writer.SetHeaderType(bits)
+        writer.SetCompressorTypeToZLib() if packed else writer.SetCompressorTypeToNone()
+        writer.Write()
+        file, facts = read_vti(path), vti_facts(path)
+        sides = np.array(image.dimensions) - cells
+        assert [grid.name for grid in facts] == list(file.grids) == ["density", "<a> & b"]
+        for name, grid in file.grids.items():
+            values = data[name].astype(np.float32)
+            np.testing.assert_array_equal(grid, np.swapaxes(values.reshape(*sides[::-1], *values.shape[1:]), 0, 2))
+        np.testing.assert_allclose(file.origin, [1 + 1 + cells / 4, 2 - 1.5 + cells / 4, 3 + cells / 4])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        (b'<Piece Extent="0', b'<Piece Extent="1', "in one piece"),
+        (b"<ImageData ", b'<ImageData Direction="0 1 0 1 0 0 0 0 1" ', "no cubes"),
+        (b"vtkZLibDataCompressor", b"vtkLZ4DataCompressor", "save it with ZLib"),
+        (b'offset="0"', b'offset="99999999"', "no 8 bytes at byte"),
+        (b'type="Float32"', b'type="String"', "an array of type 'String'"),
+    ],
+)
+def test_what_is_not_read(tmp_path, old, new, words):
+    """Parts of a volume, turned ones, other packings, values that are nowhere or no numbers: said by name."""
+    write_vti(tmp_path / "a.vti", GRIDS["blocks"])
+    (tmp_path / "a.vti").write_bytes((tmp_path / "a.vti").read_bytes().replace(old, new))
+    with pytest.raises(ValueError, match=rf"a\.vti: .*{words}"):
+        read_vti(tmp_path / "a.vti")

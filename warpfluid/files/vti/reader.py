@@ -117,10 +117,10 @@ def _parse(path: str | Path, data: bytes) -> _Image:
     """Return what the tags say."""
     text = data.split(b"<AppendedData")[0]
     try:
-        whole = _attributes(re.search(rb"<ImageData\b([^>]*)>", text)[1])
+        whole = _attributes(re.search(_tag("ImageData"), text)[1])
         extent, origin, spacing = _extent(whole["WholeExtent"]), _numbers(whole["Origin"]), _numbers(whole["Spacing"])
         first, last = extent.T
-        pieces = [_attributes(tag) for tag in re.findall(rb"<Piece\b([^>]*)>", text)]
+        pieces = [_attributes(tag) for tag in re.findall(_tag("Piece"), text)]
         found = re.findall(rb"<(PointData|CellData)\b[^>]*>(.*?)</\1>", text, re.DOTALL)
         kind, body = next(part for part in found if b"<DataArray" in part[1])
         (other,) = (_extent(piece["Extent"]) for piece in pieces)
@@ -128,7 +128,7 @@ def _parse(path: str | Path, data: bytes) -> _Image:
         if not sound or (other != extent).any():
             raise ValueError("its numbers do not fit together")
         straight = _numbers(whole.get("Direction", "")).tolist() in ([], STRAIGHT)
-        head = _attributes(re.search(rb"<VTKFile\b([^>]*)>", text)[1])
+        head = _attributes(re.search(_tag("VTKFile"), text)[1])
     except (TypeError, ValueError, KeyError, StopIteration) as error:
         raise ValueError(f"{path}: this is no VTK image data (.vti) in one piece, or it has no arrays") from error
     at_points = kind == b"PointData"
@@ -137,9 +137,14 @@ def _parse(path: str | Path, data: bytes) -> _Image:
         raise ValueError(f"{path}: the file is damaged: {shape.tolist()} voxels")
     cubes = bool(straight and spacing[0] > 0 and np.allclose(spacing, spacing[0], rtol=1e-5))
     shift = origin + (0 if at_points else 0.5) * spacing
-    arrays = re.findall(rb"<DataArray\b([^>]*?)(?:/>|>(.*?)</DataArray>)", body, re.DOTALL)
+    arrays = re.findall(_tag("DataArray", rb"(?:/>|>(.*?)</DataArray>)"), body, re.DOTALL)
     arrays = [(_attributes(tag), re.sub(rb"<.*>", b"", inside, flags=re.DOTALL)) for tag, inside in arrays]
     return _Image(first, tuple(shape.tolist()), spacing, shift, cubes, at_points, head, arrays)
+
+
+def _tag(name: str, end: bytes = b">") -> bytes:
+    """Return the pattern of a tag, whose attributes may hold any sign but their quotation mark."""
+    return rb"<%s\b((?:[^>\"'/]|\"[^\"]*\"|'[^']*')*+)%s" % (name.encode(), end)
 
 
 def _attributes(tag: bytes) -> dict[str, str]:
