@@ -22,9 +22,11 @@ uniform int fine;            // samples a pixel and axis of these; 0 where nothi
 uniform float reach;         // depth [voxel] that 0 to 1 spans, from -reach to reach
 out vec4 colour;
 
-vec4 look(float sum) {
-  float level = clamp(sum * gain / 255.0, 0.0, 1.0), entries = float(textureSize(ramp, 0).x);
-  return texture(ramp, vec2((floor(level * (entries - 1.0) + 0.5) + 0.5) / entries, 0.5));
+// The colour of a sum of light; that of a medium which is lit stands for as much of the pixel as it hides.
+vec3 look(float sum, float clear) {
+  float cover = lamps.x > 0.0 ? max(1.0 - clear, 1e-4) : 1.0;
+  float level = clamp(sum * gain / 255.0 / cover, 0.0, 1.0), entries = float(textureSize(ramp, 0).x);
+  return cover * texture(ramp, vec2((floor(level * (entries - 1.0) + 0.5) + 0.5) / entries, 0.5)).rgb;
 }
 
 // The mean colour of a pixel's solids, the share that they cover, and the nearest of them.
@@ -82,6 +84,6 @@ void main() {
     place += stride;
   }
   if (before < 0.0) before = sum, open = clear;
-  vec3 past = look(sum).rgb + clear * background, front = look(before).rgb + open * solid.rgb;
+  vec3 past = look(sum, clear) + clear * background, front = look(before, open) + open * solid.rgb;
   colour = vec4(mix(past, front, solid.a), 1.0);
 }
