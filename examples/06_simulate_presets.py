@@ -12,6 +12,7 @@ reconstructed run as the source only the numbers count, and edit what the footag
 import numpy as np
 import warp as wp
 from gallery import captioned, save, stack
+from scipy.ndimage import zoom
 
 from warpfluid.presets import preset_names
 from warpfluid.rendering.ramps import apply_ramp
@@ -49,7 +50,7 @@ def play(name: str) -> tuple[list[np.ndarray], str]:
 rows = []
 for name in preset_names():
     images, look = play(name)
-    pictures = [apply_ramp(image.T[::-1], look, 255.0).repeat(4, axis=0).repeat(4, axis=1) for image in images]
+    pictures = [apply_ramp(zoom(image.T[::-1], 5, order=1).clip(0), look, 255.0) for image in images]
     rows.append(captioned(in_a_row(pictures), f"{name}, frames {', '.join(map(str, FRAMES))}"))
     print(f"{name}: brightest ray {max(image.max() for image in images):.0f}")
 save("06_simulate_presets.png", stack(rows))
