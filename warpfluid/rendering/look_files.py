@@ -20,6 +20,7 @@ import numpy as np
 from warpfluid.errors import Problems
 from warpfluid.rendering.looks import FIELDS, RAMPS, Look, Ramp
 
+LARGEST = 1e300  # number in a look
 KEYS = {"input", "stops", "bias", "scale", "blackbody", "times"}
 
 
@@ -150,4 +151,4 @@ def _stops(value: object, most: float) -> tuple[np.ndarray, np.ndarray]:
 
 def _is_number(value: object, low: float, high: float) -> bool:
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return is_number and math.isfinite(value) and low <= value <= high
+    return is_number and abs(value) <= LARGEST and low <= value <= high
