@@ -45,8 +45,8 @@ NIGHT = "--ground --elevation 8 --key-strength 0 --ambient 0.02"
 save("gallery-fire.png", render("fire", 12, NIGHT, size=(420, 480)))
 TURN = "--look fire --field-of-view 20 --zoom 1.1"
 save("gallery-demo.png", in_a_row(render("demo", 8, f"{TURN} --angle {a}", size=(256, 384)) for a in (0, 30, 60, 90)))
-SPLASH = "--look water --ground --elevation 14 --zoom 1.3 --target 0,3.6,0"
-save("gallery-splash.png", render("splash", 22, SPLASH, size=(420, 480)))
+SPLASH = "--look water --ground --elevation 12 --angle 20 --zoom 1.15 --target 0,3.2,0"
+save("gallery-splash.png", render("splash", 16, SPLASH, size=(420, 420)))
 WAVE = "--look smoke --ground --elevation 12 --angle 20 --zoom 1.9 --target 0,2.4,0 --body-color 0.75,0.25,0.08"
 save("gallery-wave.png", in_a_row(render("wave", frame, WAVE, size=(340, 240)) for frame in (5, 11, 18)))
 
