@@ -153,6 +153,18 @@ def test_a_lead_that_was_another():
     assert run.records[5]["lead"] == [2, 3, 4]
 
 
+def test_a_run_that_began_before_starts_were_noted():
+    """Its frames stay, and others go on from them."""
+    run = Folder(pieces(length=None), range(1, 7))
+    run.go_on(range(1, 5))
+    run.records = {frame: {"energies": []} for frame in run.records}
+    run.outcome = lambda task: {**task.to_dict(), "origin": "of the file", "volume": "new"}
+    run.go_on(range(1, 6))
+    assert run.made == [5]
+    run.go_on(range(1, 6))
+    assert run.made == []
+
+
 def test_a_shot_that_grows():
     """What ended it is drawn to the piece that came, and nothing else is made again."""
     run = Folder(pieces(), range(1, 9))

@@ -151,9 +151,11 @@ def is_made_so(task: FrameTask, records: Mapping[int, dict]) -> bool:
         task: How it is made now.
         records: Of the frames that the run has.
     """
-    record, before = records[task.frame], records.get(task.before)
+    record, before = records[task.frame], records.get(task.before, {})
+    if "lead" not in record:  # of a run that began before this was noted
+        return True
     noted = {name: record[name] for name in ("before", "lead", "towards", "weight") if name in record}
-    return noted == task.to_dict() and (before is None or record.get("origin") == before["volume"])
+    return noted == task.to_dict() and record.get("origin") == before.get("volume", record.get("origin"))
 
 
 def frame_chain(
