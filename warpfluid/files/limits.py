@@ -5,6 +5,7 @@ What headers say is held against these limits before memory is taken. Files of h
 
 SMALL = 2**27  # bytes that any file may open to: a picture of 4096 x 2160, whatever packed it
 MOST_A_BYTE = 2**13  # bytes that a byte may open to: zlib reaches 1032, the DWAB of black OpenEXR pictures 7000
+SMALLEST_VOXEL, LARGEST_VOXEL = 1e-30, 1e30  # world units; a float in 32 bits must hold it and its inverse
 MOST_PIXELS = 2**26  # 8192 x 8192: a picture that claims more is damaged or a trap
 EMPTY = 2**27  # numbers that volumes may hold without any that is not empty
 TRUSTED = 2**29  # the same of a file with a checksum
@@ -56,3 +57,8 @@ def check_box(numbers: int, active: int, trusted: bool = False) -> None:
     """
     if numbers > (TRUSTED if trusted else EMPTY) + VOXELS_AN_ACTIVE * active:
         raise ValueError(f"it is damaged or nearly empty: {active} voxels in a box of {numbers}")
+
+
+def is_voxel_size(size: float) -> bool:
+    """Return whether a voxel may have this side [world unit]; what is no number is none."""
+    return SMALLEST_VOXEL < size < LARGEST_VOXEL

@@ -17,7 +17,7 @@ import numpy as np
 
 from warpfluid.files.atomic import replacing
 from warpfluid.files.grids import GridFacts, GridFile
-from warpfluid.files.limits import check_promise
+from warpfluid.files.limits import check_promise, is_voxel_size
 
 DENSITY, ORIGIN = "density", "origin"
 SMALL = 4096  # bytes of an array that may be a fact
@@ -182,7 +182,7 @@ def _place(path: str | Path, arrays: Mapping[str, np.ndarray]) -> tuple[float, t
     size, origin = _facts(arrays).get("voxel_size", 1.0), np.asarray(arrays.get(ORIGIN, (0.0, 0.0, 0.0)))
     if origin.shape != (3,) or origin.dtype.kind not in "fiu" or not np.isfinite(origin).all():
         raise ValueError(f"{path}: origin is {str(origin.tolist())[:80]}; it must be three numbers")
-    if not (isinstance(size, int | float) and np.isfinite(size) and size > 0):
+    if not (isinstance(size, int | float) and is_voxel_size(size)):
         raise ValueError(f"{path}: voxel_size is {str(size)[:80]}; it must be a positive number")
     return float(size), tuple(origin.astype(float).tolist())
 

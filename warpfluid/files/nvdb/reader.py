@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from warpfluid.files.grids import GridFacts, GridFile
-from warpfluid.files.limits import check_box, check_promise
+from warpfluid.files.limits import check_box, check_promise, is_voxel_size
 from warpfluid.files.nvdb import layout
 from warpfluid.files.vdb.layout import LEAF, LEAF_VOXELS, LOWER, UPPER, from_file_axes
 from warpfluid.files.vdb.tree import Tiles, Tree
@@ -89,7 +89,7 @@ def _facts(path: str | Path, name: str, entry: np.ndarray) -> GridFacts:
     size, box, place = entry["voxel_size"], entry["box"].astype(np.int64), entry["world_box"][0]
     active = int(entry["active"])
     with np.errstate(all="ignore"):
-        cubes = bool(np.isfinite(size).all() and size[0] > 0 and np.allclose(size, size[0]))
+        cubes = bool(is_voxel_size(size[0]) and np.isfinite(size).all() and np.allclose(size, size[0]))
         # The shift of the first voxel follows from both boxes, in voxels and in the world.
         shift = np.round(place - box[0] * size, 12) if active else np.zeros(3)
     if active and ((box[0] > box[1]).any() or (cubes and not np.isfinite(shift).all())):
@@ -124,7 +124,7 @@ def _read(grids: dict[str, tuple[GridFacts, bytes]], up: str) -> GridFile:
     if len(places) > 1:
         raise ValueError(f"the grids {', '.join(grids)} differ in voxel size or place; read them one by one")
     size, *shift = places.pop()
-    if not (np.isfinite([size, *shift]).all() and size > 0):
+    if not (is_voxel_size(size) and np.isfinite(shift).all()):
         raise ValueError(f"voxels of size {size} at {shift}")
     boxes = [box for box in (tree.box() for tree in trees.values()) if box is not None]
     boxes = boxes or [np.array([[0, 0, 0], [-1, -1, -1]])]

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from warpfluid.files.grids import GridFile
-from warpfluid.files.limits import check_box
+from warpfluid.files.limits import check_box, is_voxel_size
 from warpfluid.files.vdb import layout
 from warpfluid.files.vdb.stream import Packing, Stream
 from warpfluid.files.vdb.tree import Tree, read_tree
@@ -132,7 +132,7 @@ def read_transform(stream: Stream, name: str) -> tuple[float, tuple[float, ...]]
         if straight and kind.endswith("TranslateMap"):
             shift = stream.unpack("<3d")
         scale = np.array(stream.unpack("<15d")[:3]) if straight else None
-    if not (straight and np.isfinite([*scale, *shift]).all() and scale[0] > 0 and (scale == scale[0]).all()):
+    if not (straight and np.isfinite([*scale, *shift]).all() and is_voxel_size(scale[0]) and (scale == scale[0]).all()):
         raise ValueError(f"grid {name!r} is turned or has no cubes for voxels ({kind}); resample it")
     return float(scale[0]), shift
 

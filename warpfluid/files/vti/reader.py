@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from warpfluid.files.grids import GridFacts, GridFile
-from warpfluid.files.limits import check_promise
+from warpfluid.files.limits import check_promise, is_voxel_size
 from warpfluid.files.vti.values import Values
 
 HEAD = 2**20  # bytes before which the values begin, if they do not stand among the tags
@@ -135,7 +135,7 @@ def _parse(path: str | Path, data: bytes) -> _Image:
     shape = last - first + (1 if at_points else 0)
     if shape.min() < 1:
         raise ValueError(f"{path}: the file is damaged: {shape.tolist()} voxels")
-    cubes = bool(straight and spacing[0] > 0 and np.allclose(spacing, spacing[0], rtol=1e-5))
+    cubes = bool(straight and is_voxel_size(spacing[0]) and np.allclose(spacing, spacing[0], rtol=1e-5))
     shift = origin + (0 if at_points else 0.5) * spacing
     arrays = re.findall(_tag("DataArray", rb"(?:/>|>(.*?)</DataArray>)"), body, re.DOTALL)
     arrays = [(_attributes(tag), re.sub(rb"<.*>", b"", inside, flags=re.DOTALL)) for tag, inside in arrays]
