@@ -1,47 +1,58 @@
 """How much memory there is, and what is too large for it."""
 
 import contextlib
+import math
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 GIGABYTE = 1e9
+Size = tuple[int, ...]
 
 
-def check_memory(bytes_of: Callable[[int], float], width: int, device, *, what: str, way_out: str) -> None:
-    """Refuse work that the device has no memory for, before any is done.
+def check_memory(bytes_of: Callable[[Size], float], size: Size, device=None, *, what: str, way_out: str) -> None:
+    """Refuse work that there is no memory for, before any is done.
 
     Args:
-        bytes_of: Returns the memory that the work takes at a width [byte]; it grows with the width.
-        width: That is asked for [voxel].
-        device: Where it will run, a Warp device.
+        bytes_of: Returns the memory that the work takes at a size [byte]; it grows with the size.
+        size: That is asked for, the width first [voxel or pixel].
+        device: Where it will run, a Warp device; this machine when omitted.
         what: What needs the memory, in the plural.
-        way_out: What to do, with ``{width}`` for the largest width that fits.
+        way_out: What to do, with ``{width}``, ``{size}`` or ``{scale}`` for the largest that fits.
 
     Raises:
         ValueError: If the memory does not suffice.
     """
-    needed, there = bytes_of(width), device.total_memory if device.is_cuda else memory_limit()
+    there = device.total_memory if device is not None and device.is_cuda else memory_limit()
+    needed = bytes_of(size)
     if needed <= there:
         return
-    fits = largest_width(bytes_of, width, there)
-    found = f"{what} need about {needed / GIGABYTE:.2g} GB of memory, {device} has {there / GIGABYTE:.2g} GB"
-    raise ValueError(f"{found}: {way_out.format(width=fits)}" if fits else f"{found}: use a larger machine")
+    place = "this machine" if device is None else device
+    found = f"{what} need about {needed / GIGABYTE:.2g} GB of memory, {place} has {there / GIGABYTE:.2g} GB"
+    fits = largest_size(bytes_of, size, there)
+    if fits is None:
+        raise ValueError(f"{found}: use a larger machine")
+    scale = math.floor(1000 * fits[0] / size[0]) / 1000
+    raise ValueError(f"{found}: {way_out.format(width=fits[0], size='x'.join(map(str, fits)), scale=scale)}")
 
 
-def largest_width(bytes_of: Callable[[int], float], width: int, there: float) -> int:
-    """Return the largest width below one that is too large, 0 if there is none.
+def largest_size(bytes_of: Callable[[Size], float], size: Size, there: float) -> Size | None:
+    """Return the largest size of the same proportions below one that is too large, None if there is none.
 
     Args:
-        bytes_of: Returns the memory that work takes at a width [byte].
-        width: One that is too large [voxel].
+        bytes_of: Returns the memory that work takes at a size [byte].
+        size: One that is too large, the width first.
         there: Memory there is [byte].
     """
-    fits, too_large = 0, width
+
+    def narrowed(width: int) -> Size:
+        return width, *(max(1, round(width * n / size[0])) for n in size[1:])
+
+    fits, too_large = 0, size[0]
     while too_large - fits > 1:
         middle = (fits + too_large) // 2
-        fits, too_large = (middle, too_large) if bytes_of(middle) <= there else (fits, middle)
-    return fits
+        fits, too_large = (middle, too_large) if bytes_of(narrowed(middle)) <= there else (fits, middle)
+    return narrowed(fits) if fits else None
 
 
 def machine_memory() -> float:

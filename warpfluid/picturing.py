@@ -20,7 +20,7 @@ from warpfluid.rendering.studio import make_studio, stand_ins
 from warpfluid.run import Run
 from warpfluid.shooting import Work, shoot
 from warpfluid.simulation.outlines import Outlines
-from warpfluid.volumes import VolumeSequence, open_volumes
+from warpfluid.volumes import VolumeSequence, check_room, open_volumes
 
 RATE, WHITE = 24.0, 255.0
 TRY_AGAIN = "the other pictures are whole; with numbered pictures, the same command with --resume makes what is missing"
@@ -63,6 +63,7 @@ def render(
     work = Work(job=job, shots=shots, log=log, **_records(target, volumes))
     fields = _say(work)
     need = job.need(fields["density"].shape, len(fields))
+    check_room(volumes.shape, bytes_of=lambda box: job.need((box[0], box[2], box[1]), len(fields)), device=device)
     about = made_with(camera, light, options, options.look or volumes.output.look, volumes.scale)
     with reach(asked, need=need, folder=target.path.parent, say=log.line) as crew:
         left = _begin(work, about, resume=resume)

@@ -15,6 +15,7 @@ from warpfluid.presets import preset_names, preset_settings
 from warpfluid.progress import Progress, say_left
 from warpfluid.run import FILM, PAGE, SETTINGS, Run
 from warpfluid.settings import SimulateSettings, make_simulate_settings
+from warpfluid.simulation.need import check_need
 from warpfluid.simulation.source import Source, empty_box, fill_box
 from warpfluid.volumes import VolumeSequence, open_volumes
 
@@ -50,7 +51,7 @@ def simulate(asked: Asked, out: Path, *, paper: bool, document: dict, resume: bo
     _check_other(asked.source, out)
     problems.attempt(lambda: run.check_free(resume=resume, overwrite=overwrite))
     device = problems.attempt(pick_device, common.device)
-    made = problems.attempt(_settle, asked, paper, document)
+    made = problems.attempt(_settle, asked, paper, document, device)
     problems.raise_if_any()
     settings, source = made
     _check_other(settings.source, out)
@@ -92,7 +93,7 @@ def _flag(option: str, value) -> str:
     return f"--{name} {shlex.quote(str(value))}"
 
 
-def _settle(asked: Asked, paper: bool, document: dict) -> tuple[SimulateSettings, Source]:
+def _settle(asked: Asked, paper: bool, document: dict, device) -> tuple[SimulateSettings, Source]:
     """Return settings and source, each with the other's say."""
     problems = Problems()
     size = problems.attempt(_size, asked.size) if asked.size else tuple(document.get("size", ())) or None
@@ -108,6 +109,7 @@ def _settle(asked: Asked, paper: bool, document: dict) -> tuple[SimulateSettings
     make = partial(make_simulate_settings, **chosen)
     settings = problems.attempt(make, asked.source, asked.method, asked.output, asked.things)
     problems.raise_if_any()
+    check_need(settings, volumes, device)
     scale = settings.simulate.resolution_scale
     source = fill_box(volumes, scale) if volumes else empty_box(settings.size, scale)
     if not name and not any(settings.scene.emitter):

@@ -12,7 +12,7 @@ from warpfluid.files.sequences import format_frames, parse_frames
 from warpfluid.options import ExportOptions
 from warpfluid.outcome import name_failures
 from warpfluid.progress import Progress
-from warpfluid.volumes import Lattice, VolumeSequence, open_volumes
+from warpfluid.volumes import Lattice, VolumeSequence, check_room, file_facts, open_volumes
 
 STAGE, SCRIPT = "volumes.usda", "open_in_blender.py"
 
@@ -34,6 +34,7 @@ def export(source: str, out: Path, options: ExportOptions, *, resume: bool, over
     """
     log = Progress(quiet=common.quiet, verbose=common.verbose)
     sequence = open_volumes(source, grid=options.grid, up=options.source_up, unchecked=True)
+    check_room(sequence.shape, _numbers(sequence, options))
     frames = _wanted(sequence, options)
     lit = lit_box(sequence) if options.crop else None
     bodies = find_bodies(sequence, options)
@@ -74,6 +75,17 @@ def write_frame(path: Path, prepared: Prepared, frame: int, options: ExportOptio
         from warpfluid.files.npz import write_npz_grids
 
         write_npz_grids(path, file.grids, **place, half=options.half, frame=frame)
+
+
+def _numbers(sequence: VolumeSequence, options: ExportOptions) -> int:
+    """Return how many numbers of a voxel are read of the first frame; of a damaged one, which fails later, one."""
+    try:
+        facts = file_facts(sequence.files[sequence.frames[0]])
+    except (ValueError, OSError):
+        return 1
+    asked = None if options.grids is None else [name.strip() for name in options.grids.split(",")]
+    kinds = [grid.kind for grid in facts if grid.readable and (asked is None or grid.name in asked)]
+    return sum(3 if kind == "vec3s" else 1 for kind in kinds)
 
 
 def _wanted(sequence: VolumeSequence, options: ExportOptions) -> tuple[int, ...]:

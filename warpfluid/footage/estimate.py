@@ -173,14 +173,9 @@ def check_cost(size: tuple[int, int], share: float, options: ReconstructOptions,
     Raises:
         ValueError: If the memory does not suffice; it names the largest width that would do.
     """
-    width, height = size
-    angles = replace(options, angles=options.angles or default_angles(width))
-
-    def bytes_of(narrower: int) -> int:
-        return estimate_cost((narrower, max(1, round(narrower * height / width))), share, angles)[1]
-
-    way_out = "reduce the footage, --resolution {width} or less"
-    check_memory(bytes_of, width, device, what="the volumes", way_out=way_out)
+    angles = replace(options, angles=options.angles or default_angles(size[0]))
+    told = {"what": "the volumes", "way_out": "reduce the footage, --resolution {width} or less"}
+    check_memory(lambda smaller: estimate_cost(smaller, share, angles)[1], size, device, **told)
 
 
 def format_duration(seconds: float) -> str:

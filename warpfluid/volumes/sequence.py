@@ -17,6 +17,7 @@ from warpfluid.run import SETTINGS, Run
 from warpfluid.volumes.find import find_volumes
 from warpfluid.volumes.lattice import FREE, Lattice, join, lattice_of
 from warpfluid.volumes.reading import checked_density, file_facts, read_density, read_grids
+from warpfluid.volumes.room import box_shape, check_room
 
 ANGLES_DEG = (0.0, 90.0)  # that volumes of other programs are seen from
 DENSITY = "density"
@@ -57,6 +58,11 @@ class VolumeSequence:
     def frames(self) -> tuple[int, ...]:
         """Its frames, rising."""
         return tuple(self.files)
+
+    @property
+    def shape(self) -> tuple[int, int, int] | None:
+        """Voxels (x, y, z) of its first frame as it is read; None where the file does not tell."""
+        return box_shape(_facts_or_none(next(iter(self.files.values()))), self.lattice, self.density_name)
 
     def density(self, frame: int) -> np.ndarray:
         """Return the density of a frame in grey levels a voxel, shape (x, z, y).
@@ -144,12 +150,14 @@ def open_volumes(
         unchecked: Leave the scale at 1 and the values unread, which may be negative or not finite.
 
     Raises:
-        ValueError: If there are none, they do not fit together, or the first one is not sound.
+        ValueError: If there are none, they do not fit together or into memory, or the first one is not sound.
         OSError: If they cannot be read.
     """
     path = Path(os.path.expanduser(name))
     if (path / SETTINGS).is_file():
-        return _open_run(Run(path), str(name), grid)
+        sequence = _open_run(Run(path), str(name), grid)
+        check_room(sequence.shape)
+        return sequence
     files = find_volumes(path)
     first = next(iter(files.values()))
     density, messages = _find_density(first, file_facts(first), grid)
@@ -165,6 +173,7 @@ def open_volumes(
         messages=messages,
         output=replace(OutputOptions(), look=noted.get("look") or OutputOptions().look),
     )
+    check_room(sequence.shape)
     if unchecked:
         return sequence
     brightest = float(sequence.density(sequence.frames[0]).sum(axis=1).max())
