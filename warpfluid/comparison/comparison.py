@@ -16,6 +16,7 @@ from warpfluid.comparison.measure import (
     unseen_angles,
     upright,
     views_of,
+    with_left_over,
 )
 from warpfluid.comparison.motion import motion_against_footage, motion_against_truth
 from warpfluid.footage.origin import Footage
@@ -89,8 +90,7 @@ def compare_entries(
         progress(frame)
         found.append(_measure(entries, frame, frames, truth, footage, given, unseen, device))
     values = {**{entry.name: {} for entry in entries}, **mean_numbers(found)}
-    for name, value in _motion(entries, frames, truth, footage, unseen, device).items():
-        values[name] = mean_numbers([{name: values[name] | {"left_over": value}}])[name]
+    values = with_left_over(values, _motion(entries, frames, truth, footage, unseen, device))
     floors = tuple(name for name in values if name not in {entry.name for entry in entries})
     yardstick = next((name for name in (aside(ASIDE_DEG[-1]), *floors) if name in floors), None)
     against = ("truth" if truth else "footage" if footage else "nothing") if floors else "nothing"

@@ -55,7 +55,9 @@ class Entry:
         """
         volume = squared(self.volumes.density(frame))
         if volume.shape != self.shape:
-            raise ValueError(f"{self.volumes.files[frame]}: the volume has another size than frame {first(self)}")
+            raise ValueError(
+                f"{self.volumes.files[frame]}: the volume has another size than frame {self.volumes.frames[0]}"
+            )
         return volume
 
     def total(self, frames: Sequence[int]) -> float:
@@ -128,8 +130,3 @@ def short_names(paths: Sequence[str]) -> list[str]:
         if len(set(names)) == len(names):
             return names
     return [f"{name} ({i})" for i, name in enumerate(names, 1)]
-
-
-def first(entry: Entry) -> int:
-    """Return the first frame of an entry."""
-    return entry.volumes.frames[0]

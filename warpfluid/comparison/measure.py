@@ -177,6 +177,12 @@ def mean_numbers(frames: Iterable[Mapping[str, Numbers]]) -> dict[str, Numbers]:
     }
 
 
+def with_left_over(numbers: Mapping[str, Numbers], left_over: Mapping[str, float]) -> dict[str, Numbers]:
+    """Return numbers together with what motion leaves over, where it was measured."""
+    more = {name: numbers[name] | {"left_over": value} for name, value in left_over.items()}
+    return {**numbers, **mean_numbers([more])}
+
+
 def _mean(rows: Iterable[Numbers]) -> Numbers:
     return mean_numbers({"": row} for row in rows).get("", {})
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from warpfluid.comparison.comparison import other_moment
-from warpfluid.comparison.measure import against_footage, as_given, halfway, mean_numbers, upright
+from warpfluid.comparison.measure import halfway, mean_numbers, with_left_over
 from warpfluid.comparison.motion import motion_against_footage, speeds
 from warpfluid.files.sequences import format_frames
 from warpfluid.footage.estimate import SHOWN_FRAMES
@@ -21,14 +21,9 @@ from warpfluid.report.data import FrameReport, ReportData, SeriesReport
 from warpfluid.report.page import write_report
 from warpfluid.run import PAGE, Run
 from warpfluid.settings import Settings
-from warpfluid.views import Views
 
 LSM = "least squares"
 NAMES = {"stochastic": "stochastic tomography", "convex": "convex minimum", "flame-sheet": "flame sheet"}
-AGAINST = (
-    "Unseen views, half-way between the given ones, against the footage, as distributions. "
-    "Views of one fluid differ, too: the floors are views of the footage against each other."
-)
 
 
 def report_reconstruction(run: Run, shot: Shot, settings: Settings, inspection: Inspection, *, device=None) -> Path:
@@ -65,7 +60,7 @@ def report_reconstruction(run: Run, shot: Shot, settings: Settings, inspection: 
         check_table=_check_table(shot, inspection, tuple(records), device),
         frames=frames,
         metrics=means,
-        metrics_note=AGAINST,
+        metrics_note=pieces.AGAINST,
         yardsticks=floors,
         series=_series(records),
         options=pieces.options_of(settings.input, settings.reconstruct, settings.output),
@@ -86,7 +81,9 @@ def _frame(run: Run, shot: Shot, settings: Settings, records: dict, frame: int, 
     white = pieces.peak(list(volumes.values())[-1])
     other = other_moment(frame, tuple(records))
     far = shot.views(other).images if other != frame and numbered else None
-    numbers = _numbers(volumes, views, far, settings.reconstruct, device) if numbered else {}
+    lit = (views.images > settings.reconstruct.threshold).any(axis=(1, 2)).all()
+    facts = {"far": far, "shoulder": settings.reconstruct.shoulder, "device": device}
+    numbers = pieces.footage_numbers(volumes, views.images, views.angles_deg, **facts) if numbered and lit else {}
     return FrameReport(
         number=frame,
         angles_deg=pieces.STILLS_DEG,
@@ -95,20 +92,9 @@ def _frame(run: Run, shot: Shot, settings: Settings, records: dict, frame: int, 
         slices_white=white,
         energies=np.asarray(record["energies"]) if record["energies"] else None,
         alternates=settings.reconstruct.method == "appearance-transfer",
-        metrics=pieces.sorted_floors(numbers, list(volumes))[0],
+        metrics=numbers,
         seconds=record["seconds"],
     )
-
-
-def _numbers(volumes: dict, views: Views, far: np.ndarray | None, options: ReconstructOptions, device) -> dict:
-    """Compare every method with the footage, also at another moment: there is no truth."""
-    if not (views.images > options.threshold).any(axis=(1, 2)).all():
-        return {}
-    unseen, facts = halfway(views.angles_deg), {"shoulder": options.shoulder, "device": device}
-    found = against_footage(volumes, views.images, views.angles_deg, unseen, other_frame=far, **facts)
-    for name in volumes if found else ():
-        found[name] |= as_given(volumes[name], upright(views.images), views.angles_deg, **facts)
-    return mean_numbers([found])
 
 
 def _with_motion(
@@ -120,8 +106,7 @@ def _with_motion(
     unseen = halfway(shot.angles_deg)
     facts = {"shoulder": settings.reconstruct.shoulder, "pairs": pieces.MOTION_PAIRS, "device": device}
     found = motion_against_footage({method: run.volume}, lambda f: shot.views(f).images, frames, unseen, **facts)
-    moved = means[method] | ({"left_over": found[method]} if method in found else {})
-    return means | mean_numbers([{method: moved}])
+    return with_left_over(means, found)
 
 
 def _series(records: dict[int, dict]) -> list[SeriesReport]:

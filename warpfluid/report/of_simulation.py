@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from warpfluid.comparison.comparison import other_moment
-from warpfluid.comparison.measure import against_footage, as_given, halfway, mean_numbers, upright
+from warpfluid.comparison.measure import halfway, mean_numbers, with_left_over
 from warpfluid.comparison.motion import motion_against_footage
 from warpfluid.errors import describe
 from warpfluid.footage.estimate import SHOWN_FRAMES
@@ -30,10 +30,6 @@ from warpfluid.simulation.outlines import Outlines
 from warpfluid.simulation.source import Source
 from warpfluid.volumes import VolumeSequence, open_volumes
 
-AGAINST = (
-    "Unseen views, half-way between those of the footage, against the footage, as distributions. "
-    "Views of one fluid differ, too: the floors are views of the footage against each other."
-)
 EDITED = " An edit is not meant to be the footage, so no number is marked as the best."
 
 
@@ -92,7 +88,7 @@ def report_simulation(run: Run, settings: SimulateSettings, source: Source, *, d
         check=[*check(made.records, source), *departure(made.records, settings)],
         frames=pages,
         metrics=_with_motion(made, means),
-        metrics_note=AGAINST + EDITED * edited,
+        metrics_note=pieces.AGAINST + EDITED * edited,
         ranked=not edited,
         yardsticks=floors,
         series=[*course(made.records, source), *speeds(made.volumes, shown, settings.simulate.fps)],
@@ -145,13 +141,10 @@ def _numbers(made: _Simulated, frame: int, volumes: dict[str, np.ndarray]) -> di
     images = made.images(frame)
     if images is None:
         return {}
-    angles, other = made.footage.angles_deg, other_moment(frame, tuple(made.records))
-    facts = {"shoulder": made.footage.shoulder, "device": made.device}
+    other = other_moment(frame, tuple(made.records))
     far = made.images(other) if other != frame else None
-    found = against_footage(volumes, images, angles, halfway(angles), other_frame=far, **facts)
-    for name in volumes if found else ():
-        found[name] |= as_given(volumes[name], upright(images), angles, **facts)
-    return pieces.sorted_floors(mean_numbers([found]), list(volumes))[0]
+    facts = {"far": far, "shoulder": made.footage.shoulder, "device": made.device}
+    return pieces.footage_numbers(volumes, images, made.footage.angles_deg, **facts)
 
 
 def _with_motion(made: _Simulated, means: dict) -> dict:
@@ -165,10 +158,7 @@ def _with_motion(made: _Simulated, means: dict) -> dict:
     facts = {"shoulder": made.footage.shoulder, "pairs": pieces.MOTION_PAIRS, "device": made.device}
     unseen = halfway(made.footage.angles_deg)
     found = motion_against_footage(volumes, made.images, frames, unseen, **facts)
-    return {
-        name: mean_numbers([{name: numbers | ({"left_over": found[name]} if name in found else {})}])[name]
-        for name, numbers in means.items()
-    }
+    return with_left_over(means, found)
 
 
 def _inputs(made: _Simulated, frame: int) -> list[InputReport]:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from warpfluid.comparison.measure import Numbers
+from warpfluid.comparison.measure import Numbers, against_footage, as_given, halfway, mean_numbers, upright
 from warpfluid.files.sequences import format_frames
 from warpfluid.kernels.launch import thread_count
 from warpfluid.rendering.ramps import apply_ramp
@@ -15,6 +15,10 @@ from warpfluid.report.data import InputReport
 from warpfluid.report.film import RATE, TURN_PICTURES, film_pictures
 from warpfluid.run import Run, versions
 
+AGAINST = (
+    "Unseen views, half-way between those of the footage, against the footage, as distributions. "
+    "Views of one fluid differ, too: the floors are views of the footage against each other."
+)
 STILLS_DEG = tuple(range(0, 91, 15))
 SLICES = 6
 NUMBERED_FRAMES = 3  # of those shown have numbers, which take longer than all pictures
@@ -82,6 +86,32 @@ def sorted_floors(numbers: Mapping[str, Numbers], methods: Sequence[str]) -> tup
     """Return numbers with the methods before the floors, and the floors' names."""
     floors = [name for name in numbers if name not in methods]
     return {name: numbers[name] for name in [*methods, *floors] if name in numbers}, floors
+
+
+def footage_numbers(
+    volumes: Mapping[str, np.ndarray],
+    images: np.ndarray,
+    angles_deg: Sequence[float],
+    *,
+    far: np.ndarray | None,
+    shoulder: float,
+    device,
+) -> dict[str, Numbers]:
+    """Return the numbers of volumes against their footage, there being no truth, and those of its floors after them.
+
+    Args:
+        volumes: By name, shape (x, z, y).
+        images: The footage, shape (view, u, v).
+        angles_deg: Its angles.
+        far: The footage at another moment; None for none.
+        shoulder: Its tone curve.
+        device: Where to compute.
+    """
+    facts = {"shoulder": shoulder, "device": device}
+    found = against_footage(volumes, images, angles_deg, halfway(angles_deg), other_frame=far, **facts)
+    for name in volumes if found else ():
+        found[name] |= as_given(volumes[name], upright(images), angles_deg, **facts)
+    return sorted_floors(mean_numbers([found]), list(volumes))[0]
 
 
 def options_of(*parts) -> dict[str, object]:
