@@ -18,6 +18,7 @@ from warpfluid.kernels.fluid import (
     correction,
     decay,
     diffusion,
+    disagreement,
     emission,
     fine_paths,
     guidance,
@@ -135,6 +136,7 @@ LAUNCHERS = {
     ),
     guidance.guide: ({"velocity": volume, "low": volume, "target": volume}, {"weight": 1.0}),
     guidance.blend: ({"density": volume, "volume": volume}, {"add": 0.2}),
+    disagreement.quicken: ({"share": volume, "density": volume, "volume": volume}, {"factor": 2.0}),
     eddies.limit_reach: (
         {"squares": volume, "cover": volume, "out": volume},
         {"faint": 0.1, "gain": 1.0, "limit": 2.0},

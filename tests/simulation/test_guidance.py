@@ -7,7 +7,7 @@ from scipy.ndimage import gaussian_filter
 from warpfluid.kernels.blur import blur
 from warpfluid.kernels.fluid.guidance import blend, to_faces
 from warpfluid.simulation.displacement import advance_displacement, displaced
-from warpfluid.simulation.guidance import Footage, Motion, follow, on_faces
+from warpfluid.simulation.guidance import Footage, Motion, follow, on_faces, share_of
 from warpfluid.simulation.state import Faces, face_shape, six_sides
 
 SHAPE, SIGMA = (24, 24, 30), 2.0
@@ -60,6 +60,32 @@ def test_density_is_only_added(device):
     whole = wp.array(d, device=device)
     follow(whole, wp.array(v, device=device), weight=1.0, subtract=1.0)
     np.testing.assert_allclose(whole.numpy(), v, atol=1e-6)
+
+
+def test_halves_of_two_that_disagree_are_no_haze(device):
+    """Noise drawn to other noise keeps the contrast of noise; a weight of 0 and a factor of 1 change nothing."""
+    rng = np.random.default_rng(6)
+    d, v = (wp.array(rng.random(SHAPE).astype(np.float32) ** 6, device=device) for _ in range(2))
+    spread = {}
+    for factor in (1.0, 2.0):
+        share = share_of(v, d, weight=0.5, factor=factor, amounts=True)
+        drawn = wp.clone(d)
+        follow(drawn, v, weight=share, subtract=1.0)
+        spread[factor] = drawn.numpy().std() / v.numpy().std()
+    assert spread[1.0] < 0.75
+    assert spread[2.0] > 0.95
+    assert share_of(v, d, weight=0.5, factor=1.0, amounts=True) == 0.5
+    assert share_of(v, d, weight=0.0, factor=2.0, amounts=True) == 0.0
+
+
+def test_fine_eddies_do_not_tear_the_volume(device):
+    """The way that matter has been carried is smooth where it counts: noise of two voxels leaves a volume whole."""
+    rng = np.random.default_rng(7)
+    away = tuple(wp.array(2 * rng.standard_normal(SHAPE).astype(np.float32), device=device) for _ in range(3))
+    volume = gaussian_filter(rng.random(SHAPE), 2).astype(np.float32)
+    moved = displaced(wp.array(volume, device=device), away).numpy()
+    inside = (slice(4, -4),) * 3
+    assert np.abs(np.diff(moved, axis=0))[inside].mean() < 1.3 * np.abs(np.diff(volume, axis=0))[inside].mean()
 
 
 def test_faces_are_means_of_their_voxels(device):

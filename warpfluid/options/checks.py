@@ -55,6 +55,7 @@ RANGES = {
     "preroll": (0, 10000),
     "resolution_scale": (0.25, 4),
     "blend": (0, 1),
+    "blend_apart": (1, 100),
     "subtract": (0, 1),
     "fidelity": (0, 1),
     "guide_weight": (0, 1),

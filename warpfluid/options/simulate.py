@@ -38,6 +38,9 @@ class SimulateOptions:
         float | str,
         "Share of the volume in the density where the density is lower (lambda of Eq. 10); may depend on a field",
     ] = 0.5
+    blend_apart: Annotated[
+        float | str, "Factor of blend where fluid and volume have come apart: half of each is haze; 1 is off"
+    ] = 2.0
     subtract: Annotated[float | str, "The same where it is higher, as a part of blend; 0 only adds (the paper)"] = 1.0
     fidelity: Annotated[
         float | str | None,
@@ -121,6 +124,7 @@ class SimulateOptions:
 SIMULATE_PAPER = {
     "order": "blend-first",
     "blend": 0.2,
+    "blend_apart": 1.0,
     "subtract": 0.0,
     "fidelity": 0.0,
     "guide_mode": "project",

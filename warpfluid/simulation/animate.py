@@ -24,7 +24,7 @@ from warpfluid.simulation.detail import Detail
 from warpfluid.simulation.displacement import advance_displacement, displaced
 from warpfluid.simulation.fields import number_or_field
 from warpfluid.simulation.forces import place_force
-from warpfluid.simulation.guidance import Footage, Motion, follow, on_faces
+from warpfluid.simulation.guidance import Footage, Motion, follow, on_faces, share_of
 from warpfluid.simulation.physics import Physics
 from warpfluid.simulation.placing import Placing
 from warpfluid.simulation.scenery import Scenery
@@ -180,6 +180,9 @@ class Animator:
         """Move density, heat and fuel towards a volume."""
         state, subtract = self.state, self.solver.number("subtract", frame)
         weight = number_or_field(self.animation.options.blend, frame, state, self.placing)
+        factor, scene = self.solver.number("blend_apart", frame), self.animation.scene
+        makes = scene.emitter or scene.obstacle or scene.body or self.animation.options.combustion
+        weight = share_of(volume, state.density, weight=weight, factor=factor, amounts=not makes)
         if self.animation.options.combustion:
             missing = wp.clone(state.density)
             follow(missing, volume, weight=weight, subtract=0.0)

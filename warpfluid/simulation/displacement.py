@@ -8,10 +8,13 @@ import numpy as np
 import warp as wp
 
 from warpfluid.kernels.advection import advect
+from warpfluid.kernels.blur import blur
 from warpfluid.kernels.sides import SIX
 from warpfluid.simulation.state import Faces
 from warpfluid.simulation.transport import advect_scalars
 from warpfluid.simulation.written import centred
+
+SMOOTHING = 2.0  # of the way [voxel]: finer eddies fold it, and a folded volume is ragged
 
 Displacement = tuple[wp.array, wp.array, wp.array]
 
@@ -39,4 +42,4 @@ def advance_displacement(
 
 def displaced(volume: wp.array, away: Displacement) -> wp.array:
     """Return a volume, shape (x, z, y), moved as far as an edit has carried matter."""
-    return advect(volume, *away)
+    return advect(volume, *(blur(part, SMOOTHING) for part in away))

@@ -10,6 +10,7 @@ import warp as wp
 from warpfluid.balance import Balancing
 from warpfluid.kernels.blur import blur
 from warpfluid.kernels.flow.flow_lift import lift
+from warpfluid.kernels.fluid.disagreement import quicken
 from warpfluid.kernels.fluid.guidance import blend, guide, mix, to_faces
 from warpfluid.kernels.sides import SIX
 from warpfluid.motion.carry import smooth
@@ -101,6 +102,24 @@ def on_faces(omega: tuple[wp.array, ...], seconds: float, sigma: float) -> Faces
     for axis, (part, face) in enumerate(zip(omega, out, strict=True)):
         blur(to_faces(part, axis=axis, scale=1 / seconds, out=face), sigma, out=face)
     return out
+
+
+def share_of(
+    volume: wp.array, density: wp.array, *, weight: float | wp.array, factor: float, amounts: bool
+) -> float | wp.array:
+    """Return how much of a volume a density takes: more where they have come apart, for half of each is haze.
+
+    Args:
+        volume: v, shape (x, z, y).
+        density: d, the same shape.
+        weight: lambda where they agree; or one a voxel.
+        factor: Of lambda where they disagree; 1 changes nothing.
+        amounts: Count that one of them has more light than the other; not where an edit makes or takes matter.
+    """
+    if factor == 1 or (not isinstance(weight, wp.array) and weight == 0):
+        return weight
+    share = wp.clone(weight) if isinstance(weight, wp.array) else wp.full_like(volume, weight)
+    return quicken(share, density, volume, factor=factor, amounts=amounts)
 
 
 def follow(density: wp.array, volume: wp.array, *, weight: float | wp.array, subtract: float) -> None:
