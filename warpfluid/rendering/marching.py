@@ -4,7 +4,7 @@ import numpy as np
 import warp as wp
 
 from warpfluid.kernels.light.bricks import OVERLAP, brick_maxima
-from warpfluid.kernels.light.march import Scene, march_rays
+from warpfluid.kernels.light.march import CURVES, Scene, march_rays
 from warpfluid.rendering.camera import Camera
 from warpfluid.rendering.lighting import Lighting
 from warpfluid.rendering.medium import Curve, Medium
@@ -12,7 +12,6 @@ from warpfluid.rendering.picture import Picture
 
 ERROR = 1 / 512
 MOST_FIELDS = 4
-CURVES = ("extinction", "emission", "albedo")
 INTERPOLATIONS = ("linear", "cubic")
 OVERSHOOT = 1.48  # of the greatest voxel, that cubic interpolation may reach between voxels, at most
 

@@ -1,7 +1,6 @@
 """March rays through a medium that gives off, hides and scatters light: one pixel a thread, one ray a pixel.
 
-``reading`` says what a ray meets, ``ray`` how it goes on. Bricks in which there is nothing to meet are skipped, which
-changes no bit.
+``reading`` says what a ray meets, ``ray`` how it goes on. Bricks with nothing to meet are skipped: no bit changes.
 """
 
 import warp as wp
@@ -14,6 +13,8 @@ from warpfluid.kernels.light.reading import MEET, MOST_SUNS, PLACE
 
 wp.set_module_options({"enable_backward": False})
 
+CURVES = ("extinction", "emission", "albedo")
+OPTIONAL = (*CURVES, "suns", "shadows", "ambient", "limits")
 OPAQUE = 1 / 16  # of the tolerance: less than this of the light behind is not followed
 
 MARCH = (
@@ -54,10 +55,7 @@ MARCH = (
         start = end;
     }}
     const size_t pixel = (size_t)row * width + column;
-    for (int c = 0; c < 3; ++c) {{
-        color.data[3 * pixel + c] = seen[c];
-        emission.data[3 * pixel + c] = glow[c];
-    }}
+    for (int c = 0; c < 3; ++c) color.data[3 * pixel + c] = seen[c], emission.data[3 * pixel + c] = glow[c];
     sums.data[3 * pixel] = hidden;
     sums.data[3 * pixel + 1] = total > 0.0f ? (float)half_way() : -1.0f;
     sums.data[3 * pixel + 2] = density_sum;
@@ -166,11 +164,9 @@ def _check(scene: Scene, color: wp.array, emission: wp.array, sums: wp.array) ->
     """Check all arrays of a scene and return their device."""
     pictures = {"color": color, "emission": emission, "sums": sums}
     fields = {name: getattr(scene, name) for name in ("f0", "f1", "f2", "f3")}
-    curves = {f"curve of {name}": getattr(scene, name) for name in ("extinction", "emission", "albedo")}
-    curves = {name: curve for name, curve in curves.items() if curve is not None}
-    light = {name: getattr(scene, name) for name in ("suns", "shadows", "ambient", "limits")}
-    light = {name: array for name, array in light.items() if array is not None}
-    device = checks.same_device(**pictures, camera=scene.camera, bricks=scene.bricks, **fields, **curves, **light)
+    given = {name: array for name in OPTIONAL if (array := getattr(scene, name)) is not None}
+    curves = {f"curve of {name}": given.pop(name) for name in CURVES if name in given}
+    device = checks.same_device(**pictures, camera=scene.camera, bricks=scene.bricks, **fields, **curves, **given)
     checks.floats(3, bricks=scene.bricks, **pictures, **fields)
     checks.floats(2, **curves)
     checks.typed(wp.float64, 1, camera=scene.camera)
@@ -178,7 +174,7 @@ def _check(scene: Scene, color: wp.array, emission: wp.array, sums: wp.array) ->
     checks.shape((*color.shape[:2], 3), **pictures)
     checks.shape((CAMERA,), camera=scene.camera)
     checks.shape(tuple(-(-n // BRICK) for n in scene.f0.shape), bricks=scene.bricks)
-    _check_light(light, scene.f0.shape, color.shape)
+    _check_light(given, scene.f0.shape, color.shape)
     for name, curve in curves.items():
         channels = 1 if name.endswith("extinction") else 3
         if curve.shape[0] < 1 or curve.shape[1] != channels:
