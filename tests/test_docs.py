@@ -80,6 +80,8 @@ OTHERS = {"--python", "--port", "--nworkers", "--nthreads", "--upgrade", "--forc
 OTHERS |= set(re.findall(r'add_argument\("(--[\w-]+)"', SCENE))  # of our script in Blender
 FIGURES = (ROOT / "examples" / "paper" / "common.py").read_text("utf-8")
 OTHERS |= set(re.findall(r'add_argument\("(--[\w-]+)"', FIGURES))  # of the paper's figures
+FUZZER = (ROOT / "examples" / "fuzz.py").read_text("utf-8")
+OTHERS |= set(re.findall(r'add_argument\("(--[\w-]+)"', FUZZER))  # of what tries damaged files
 ALL_FLAGS = set().union(*map(flags, COMMANDS))
 
 
