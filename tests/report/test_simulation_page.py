@@ -70,7 +70,7 @@ def test_a_run_that_follows_footage(tmp_path, fire):
     assert "flow" not in changed
     assert "no number is marked as the best" in text
     assert 'class="number best"' not in text
-    assert re.search(r"At frame 3 \d+% of the light is elsewhere than in the source; fidelity is 0.3: less lets", text)
+    assert re.search(r"At frame 3, \d+% of the light is elsewhere than in the source; fidelity is 0.3: less lets", text)
     assert set(Page(text).images()) >= {"input at 0°", "input at 90°", "turntable of the result"}
 
 

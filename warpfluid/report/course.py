@@ -63,7 +63,7 @@ def departure(records: Mapping[int, dict], settings: SimulateSettings) -> list[s
     last = max(followed)
     fidelity = fidelity_at(settings.simulate, settings.scene, last)
     return [
-        f"At frame {last} {followed[last]:.0%} of the light is elsewhere than in the source; "
+        f"At frame {last}, {followed[last]:.0%} of the light is elsewhere than in the source; "
         f"fidelity is {fidelity:g}: less lets the edit go farther, more keeps to the footage."
     ]
 
