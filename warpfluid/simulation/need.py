@@ -5,12 +5,12 @@ from warpfluid.options import SimulateOptions
 from warpfluid.settings import SimulateSettings
 from warpfluid.volumes import VolumeSequence
 
-FLUID = 100  # velocity, density, heat, fuel, flame, and what carries them
-FORCES = 40  # swirl and turbulence
+FLUID = 75  # velocity, density, heat, fuel, flame, and what carries them
+FORCES = 20  # swirl and turbulence
 FOLLOWED_FORCES = 110  # the same beside volumes and the motion that leads
 COMBUSTION = 30
-LIQUID = 35
-SOLIDS = 45
+LIQUID = 45
+SOLIDS = 50
 DETAIL = 58  # of a voxel of the files
 
 
