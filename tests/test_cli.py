@@ -282,7 +282,7 @@ def test_an_error_of_a_library_is_no_traceback(tmp_path, capsys, monkeypatch):
     def fail(*_, **__):
         raise RuntimeError("deep inside")
 
-    monkeypatch.setattr("warpfluid.commands.open_shot", fail)
+    monkeypatch.setattr("warpfluid.commands.footage.open_shot", fail)
     assert run("inspect", "--front", "a.mp4") == 1
     error = capsys.readouterr().err
     assert "RuntimeError: deep inside" in error
@@ -297,7 +297,7 @@ def test_an_interrupted_command(monkeypatch, capsys):
     def stop(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("warpfluid.commands.open_shot", stop)
+    monkeypatch.setattr("warpfluid.commands.footage.open_shot", stop)
     assert run("inspect", "--front", "a.mp4") == 130
     assert capsys.readouterr().err == "stopped\n"
 

@@ -8,8 +8,9 @@ from functools import partial
 import pytest
 from tiny import BARE, flame, footage, quick, run
 
-from warpfluid import __version__, commands
+from warpfluid import __version__
 from warpfluid.cli import app
+from warpfluid.commands import demo
 from warpfluid.options import OutputOptions
 
 SILENT = ()  # commands whose result is a file alone
@@ -45,7 +46,7 @@ def ready(tmp_path_factory):
 def perform(ready, tmp_path, monkeypatch, capfd):
     """Return a function that runs a command to its end and returns what it has printed."""
     _, arguments = ready
-    make = commands.make_settings
+    make = demo.make_settings
 
     def small(*given, **named):
         whole = make(*given, **named)
@@ -56,7 +57,7 @@ def perform(ready, tmp_path, monkeypatch, capfd):
     def do(command: str, *more: str) -> tuple[str, str]:
         monkeypatch.chdir(tmp_path)
         if command == "demo":
-            monkeypatch.setattr(commands, "make_settings", small)
+            monkeypatch.setattr(demo, "make_settings", small)
         names = {name for argument in app[command].assemble_argument_collection() for name in argument.names}
         out = ["-o", str(tmp_path / OUTS.get(command, "out"))] if "-o" in names else []
         capfd.readouterr()

@@ -41,17 +41,21 @@ fps = 12.0
 half = true
 """
 CALLS = {
-    "reconstruct": ("warpfluid.commands.reconstruct", ["-o", "out"], {"blur": 2.0, "frames": "3-5", "look": "gray"}),
-    "inspect": ("warpfluid.commands.inspect", [], {"blur": 2.0, "frames": "3-5"}),
-    "flow": ("warpfluid.commands.flow", ["-o", "out"], {"frames": "3-5"}),
+    "reconstruct": (
+        "warpfluid.commands.reconstruct.reconstruct",
+        ["-o", "out"],
+        {"blur": 2.0, "frames": "3-5", "look": "gray"},
+    ),
+    "inspect": ("warpfluid.commands.footage.inspect", [], {"blur": 2.0, "frames": "3-5"}),
+    "flow": ("warpfluid.commands.footage.flow", ["-o", "out"], {"frames": "3-5"}),
     "render": (
-        "warpfluid.picturing.render",
+        "warpfluid.commands.render.render",
         ["fire", "-o", "a.mp4"],
         {"glow": 0.5, "angle": "1:0;9:30", "ambient": 0.5},
     ),
     "preview": ("warpfluid.preview.show.preview", ["fire"], {"exposure": 1.5}),
-    "compare": ("warpfluid.comparing.compare", ["a", "b"], {"fps": 12.0}),
-    "export": ("warpfluid.exporting.export", ["fire", "-o", "out"], {"half": True}),
+    "compare": ("warpfluid.commands.compare.compare", ["a", "b"], {"fps": 12.0}),
+    "export": ("warpfluid.commands.export.export", ["fire", "-o", "out"], {"half": True}),
 }
 FLAGS = {"blur": "3", "glow": "0.25", "exposure": "-1", "fps": "25", "half": None, "frames": "7"}
 

@@ -32,9 +32,9 @@ def compare(
     common: Common = COMMON,
 ) -> int:
     """Measure results against the truth or their footage, with floors; show them side by side."""
-    from warpfluid import comparing
+    from warpfluid.commands import compare as command
 
     chosen = configure(common, config)
     options = chosen.options(CompareOptions, "compare", choices)
     chosen.refuse(partial(check_volumes, *results, truth))
-    return comparing.compare(results, truth, options, out or (), chosen.common)
+    return command.compare(results, truth, options, out or (), chosen.common)

@@ -20,8 +20,8 @@ def demo(
     common: Common = COMMON,
 ) -> int:
     """Reconstruct a packaged fire from its front and its side: volumes, turntable and report."""
-    from warpfluid import commands
+    from warpfluid.commands import demo as command
 
     chosen = configure(common)
     chosen.refuse()
-    return commands.demo(out, chosen.common)
+    return command.demo(out, chosen.common)

@@ -27,11 +27,11 @@ def export(
     common: Common = COMMON,
 ) -> int:
     """Write volumes for Blender, Houdini, Maya, Omniverse, ParaView or NumPy."""
-    from warpfluid import exporting
+    from warpfluid.commands import export as command
 
     chosen = configure(common, config)
     if out is None:
         chosen.problems.append("no folder is given for the files: add -o FOLDER")
     options = chosen.options(ExportOptions, "export", choices)
     chosen.refuse(partial(check_volumes, source))
-    return exporting.export(source, out, options, resume=resume, overwrite=overwrite, common=chosen.common)
+    return command.export(source, out, options, resume=resume, overwrite=overwrite, common=chosen.common)

@@ -37,7 +37,7 @@ def flow(
     common: Common = COMMON,
 ) -> int:
     """Measure the motion in footage and write it: numbers as EXR, colours as PNG."""
-    from warpfluid import commands
+    from warpfluid.commands import footage as command
     from warpfluid.settings import make_settings
 
     views = [*(view or []), *named_views(front, side)]
@@ -45,4 +45,4 @@ def flow(
     make = partial(make_settings, document=chosen.document)
     settings = chosen.problems.attempt(make, views, footage, None, None)
     chosen.refuse(partial(check_views, views))
-    return commands.flow(settings, out, flow, chosen.common)
+    return command.flow(settings, out, flow, chosen.common)

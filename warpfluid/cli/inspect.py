@@ -42,7 +42,7 @@ def inspect(
     common: Common = COMMON,
 ) -> int:
     """Show what is understood of footage: sizes, frames, levels, agreement, cost; or what files are."""
-    from warpfluid import commands
+    from warpfluid.commands import footage as command
     from warpfluid.settings import make_settings
 
     views = [*(view or []), *named_views(front, side)]
@@ -50,11 +50,11 @@ def inspect(
         if views or config:
             given = " ".join(files)
             raise ValueError(f"{given} is explained as it is; footage follows --view ANGLE=, --front or --side")
-        from warpfluid.explaining import explain_files
+        from warpfluid.commands.explain import explain_files
 
         return explain_files(files, common)
     chosen = configure(common, config)
     make = partial(make_settings, paper=paper, document=chosen.document)
     settings = chosen.problems.attempt(make, views, footage, method, None)
     chosen.refuse(partial(check_views, views))
-    return commands.inspect(settings, picture, chosen.common)
+    return command.inspect(settings, picture, chosen.common)

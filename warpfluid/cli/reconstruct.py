@@ -51,7 +51,7 @@ def reconstruct(
     common: Common = COMMON,
 ) -> int:
     """Make a volume sequence of the footage of one or more views."""
-    from warpfluid import commands
+    from warpfluid.commands import reconstruct as command
     from warpfluid.settings import make_settings
 
     config = settings_of_run(out, config, resume=resume)
@@ -62,4 +62,4 @@ def reconstruct(
     place = {"resume": resume, "overwrite": overwrite}
     chosen.problems.attempt(partial(check_run, out, **place))
     chosen.refuse(partial(check_views, views))
-    return commands.reconstruct(settings, out, debug_dir=debug_dir, **place, **chosen.who)
+    return command.reconstruct(settings, out, debug_dir=debug_dir, **place, **chosen.who)

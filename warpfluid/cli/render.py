@@ -36,7 +36,7 @@ def render(
     common: Common = COMMON,
 ) -> int:
     """Render volumes with light and shadow: films, pictures, and layers for compositing."""
-    from warpfluid import picturing
+    from warpfluid.commands import render as command
 
     chosen = configure(common, config, jobs=jobs, cluster=cluster)
     if out is None:
@@ -44,4 +44,4 @@ def render(
     asked = ((CameraOptions, "camera", camera), (LightOptions, "light", light), (RenderOptions, "render", picture))
     made = [chosen.options(*each) for each in asked]
     chosen.refuse(partial(check_volumes, source))
-    return picturing.render(source, *made, out, resume=resume, overwrite=overwrite, **chosen.who)
+    return command.render(source, *made, out, resume=resume, overwrite=overwrite, **chosen.who)

@@ -53,22 +53,22 @@ def simulate(
     common: Common = COMMON,
 ) -> int:
     """Make volumes flow: smooth motion that keeps the look of the footage, and that can be edited."""
-    from warpfluid import simulating
+    from warpfluid.commands import simulate as command
 
     config = settings_of_run(out, config, resume=resume)
     things = {"emitter": emitter, "obstacle": obstacle, "force": force, "body": body}
-    asked = simulating.Asked(source=source, size=size, preset=preset, things=things, method=method, output=output)
+    asked = command.Asked(source=source, size=size, preset=preset, things=things, method=method, output=output)
     chosen = configure(common, config)
     place = {"resume": resume, "overwrite": overwrite}
     chosen.problems.attempt(partial(check_run, out, **place))
     chosen.refuse(partial(check_volumes, source))
     what = {"paper": paper, "document": chosen.document, "common": chosen.common}
-    return simulating.simulate(asked, out, **place, **what)
+    return command.simulate(asked, out, **place, **what)
 
 
 @app.command
 def presets(*, common: Common = COMMON) -> int:
     """List the presets of simulate, and what each sets."""
-    from warpfluid import simulating
+    from warpfluid.commands import simulate as command
 
-    return simulating.show_presets(common)
+    return command.show_presets(common)

@@ -1,6 +1,5 @@
 """What a file is, in words and numbers: ``warpfluid inspect FILE``."""
 
-from warpfluid.explaining.command import explain_files
 from warpfluid.explaining.files import explain
 
-__all__ = ["explain", "explain_files"]
+__all__ = ["explain"]

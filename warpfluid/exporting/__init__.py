@@ -1,5 +1,1 @@
-"""Volumes for other programs: what ``warpfluid export`` does."""
-
-from warpfluid.exporting.command import export
-
-__all__ = ["export"]
+"""Volumes for other programs: what ``warpfluid export`` is made of."""

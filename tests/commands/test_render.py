@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from tiny import run
 
-from warpfluid import shooting
 from warpfluid.cluster.here import Here
+from warpfluid.commands import shooting
 from warpfluid.files.images import read_image
 from warpfluid.files.vdb import write_vdb
 from warpfluid.files.video import Video

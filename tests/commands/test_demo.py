@@ -7,14 +7,14 @@ from importlib.resources import files
 import pytest
 from tiny import run
 
-from warpfluid import commands
+from warpfluid.commands import demo
 from warpfluid.files.sequences import find_sequence
 
 
 @pytest.fixture
 def small(monkeypatch):
     """Make the demo one of three small frames and one iteration."""
-    make = commands.make_settings
+    make = demo.make_settings
 
     def shrunk(*arguments, **options):
         whole = make(*arguments, **options)
@@ -24,7 +24,7 @@ def small(monkeypatch):
             reconstruct=replace(whole.reconstruct, iterations=1, angles=12),
         )
 
-    monkeypatch.setattr(commands, "make_settings", shrunk)
+    monkeypatch.setattr(demo, "make_settings", shrunk)
 
 
 def test_samples_are_whole():

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from warpfluid.cluster.pools import Asked, reach
+from warpfluid.commands.shooting import Work, shoot
 from warpfluid.errors import Problems
 from warpfluid.options import CameraOptions, LightOptions, RenderOptions
 from warpfluid.outcome import name_failures
@@ -18,7 +19,6 @@ from warpfluid.rendering.records import PictureRecords, made_with
 from warpfluid.rendering.shots import Shot, check_target, make_shots
 from warpfluid.rendering.studio import make_studio, stand_ins
 from warpfluid.run import Run
-from warpfluid.shooting import Work, shoot
 from warpfluid.simulation.outlines import Outlines
 from warpfluid.volumes import VolumeSequence, check_room, open_volumes
 

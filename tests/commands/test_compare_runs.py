@@ -9,7 +9,7 @@ from PIL import Image
 from plumes import HEIGHT, WIDTH, blurred, plume, write
 from tiny import BARE, footage, run
 
-from warpfluid.comparing import farthest
+from warpfluid.commands.compare import farthest
 
 PLAIN = ("--device", "cpu", "-q")
 FEW = ("--measured-frames", "1", "--scored-angles", "45", *PLAIN)
