@@ -32,7 +32,7 @@ from warpfluid.kernels.fluid import (
 )
 from warpfluid.kernels.forces import air, eddies, edges, lattice, pushes, ramp, reach, swirl, turbulence
 from warpfluid.kernels.light import bricks, curves, lamps, march, scattered, shadow, surfaces
-from warpfluid.kernels.poisson import coefficients, modes, multigrid, pressure, shares, walls
+from warpfluid.kernels.poisson import coefficients, modes, multigrid, pressure, shares, squeeze, walls
 from warpfluid.kernels.sides import CLOSED, OPEN, SIX
 from warpfluid.kernels.tomography import filling, projection, sad, stochastic, visual_hull
 from warpfluid.projector import directions
@@ -226,6 +226,11 @@ LAUNCHERS = {
     pressure.subtract_gradient: (
         {name: floats(N, N + 1, HEIGHTS) for name in ("coefficient", "open", "velocity")} | {"pressure": volume},
         {"axis": 1, "sides": placed["sides"]},
+    ),
+    squeeze.measure_squeeze: (
+        {f"{name}_{axis}": on_faces[f"velocity_{axis}"] for name in ("open", "solid") for axis in "xzy"}
+        | {"fluid": volume, "out": volume},
+        {"sides": placed["sides"]},
     ),
     modes.change_basis: ({"field": volume, "modes": floats(N, N), "out": volume}, {"axis": 1}),
     modes.invert_laplacian: (

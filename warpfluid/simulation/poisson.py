@@ -4,8 +4,9 @@ import weakref
 
 import warp as wp
 
+from warpfluid.kernels import vectors
 from warpfluid.kernels.poisson import pressure as kernels
-from warpfluid.kernels.poisson import walls
+from warpfluid.kernels.poisson import squeeze, walls
 from warpfluid.kernels.sides import OPEN, SIX
 from warpfluid.simulation import spectral
 from warpfluid.simulation.multigrid import Multigrid
@@ -47,7 +48,8 @@ class FilledBox:
         key = tuple(sides)
         if solids is not None and key not in standing:
             standing[key] = Regions(solids.open, sides)
-        self.regions = standing.get(key)
+            standing[key, "squeeze"] = _squeeze(shape, sides, solids)
+        self.regions, self.squeeze = standing.get(key), standing.get((key, "squeeze"))
         if solids is None or mass is not None:
             self.multigrid = Multigrid(shape, sides, open=self.open, mass=mass, device=device)
         else:
@@ -56,7 +58,12 @@ class FilledBox:
             self.multigrid = standing[key, "grids"]
 
     def drop_impossible(self, excess: wp.array) -> None:
-        """Take away what no pressure can change: all of it inside solids, the mean where there is no way out."""
+        """Take away what no pressure can change.
+
+        All of it inside solids, what they press out where there is no room, and the mean where there is no way out.
+        """
+        if self.squeeze is not None:
+            vectors.add_scaled(excess, -1.0, self.squeeze, out=excess)
         if self.regions is not None:
             walls.clear_solid(self.multigrid.levels[0].first_step, out=excess)
             self.regions.remove_means(excess)
@@ -73,3 +80,13 @@ class FilledBox:
             open = None if self.open is None else self.open[axis]
             arguments = {"coefficient": coefficient, "open": open, "velocity": faces}
             kernels.subtract_gradient(pressure, axis=axis, sides=self.sides, **arguments)
+
+
+def _squeeze(shape: tuple[int, int, int], sides: SIX, solids: Solids) -> wp.array | None:
+    """Return what ``squeeze.measure_squeeze`` writes, None where nothing moves."""
+    if not any(vectors.largest(part) for part in solids.velocity):
+        return None
+    out = wp.empty(shape, dtype=float, device=solids.fluid.device)
+    parts = {"open": solids.open, "solid": solids.velocity}
+    faces = {f"{name}_{axis}": getattr(part, axis) for name, part in parts.items() for axis in "xzy"}
+    return squeeze.measure_squeeze(**faces, fluid=solids.fluid, sides=sides, out=out)
