@@ -8,7 +8,7 @@ width of ``simulate``, ``render`` and ``export``; the exponent of a line through
 high as wide. Seconds of cores are fair where other work runs beside; on two quiet cores a run takes about half of
 them. At most two iterations are made, four frames simulated, one picture rendered and one frame exported.
 
-    python examples/benchmarks/scale.py [--quick] [--only reconstruct-width ...] [--workers]
+    python examples/benchmarks/scale.py [--quick] [--only reconstruct-width ...]
 """
 
 import argparse
@@ -37,6 +37,7 @@ TABLES = {
     "render-width": ("width", (64, 128, 256, 384, 512), (48, 64)),
     "export-width": ("width", (64, 128, 256, 384, 512), (48, 64)),
 }
+WORKERS = "workers"
 USUAL = {"width": 128, "angles": 180, "frames": 1}
 FRAMES_WIDTH = 64  # of the table over frames
 GIGABYTE = 1e9
@@ -167,8 +168,7 @@ def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[1])
     parser.add_argument("--quick", action="store_true", help="small sizes only")
-    parser.add_argument("--only", nargs="+", choices=list(TABLES), help="some of the tables")
-    parser.add_argument("--workers", action="store_true", help="one frame after the other against side by side, too")
+    parser.add_argument("--only", nargs="+", choices=[*TABLES, WORKERS], help="some of the tables")
     parser.add_argument("--one", nargs=2, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if arguments.one:
@@ -177,10 +177,11 @@ def main() -> None:
     from warpfluid.device import pick_device
 
     print(describe(pick_device("cpu")))
-    for kind in arguments.only or TABLES:
-        report(kind, quick=arguments.quick)
-    if arguments.workers:
-        report_workers(2 if arguments.quick else 12, 48 if arguments.quick else 96)
+    for kind in arguments.only or [*TABLES, WORKERS]:
+        if kind == WORKERS:
+            report_workers(*(2, 48) if arguments.quick else (12, 96))
+        else:
+            report(kind, quick=arguments.quick)
 
 
 if __name__ == "__main__":
