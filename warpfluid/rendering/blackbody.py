@@ -18,19 +18,6 @@ XYZ_TO_RGB = np.array([[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
-def chromaticity(kelvin: np.ndarray) -> np.ndarray:
-    """Return the CIE 1931 x and y of a black body.
-
-    Args:
-        kelvin: Temperatures [K], shape (n,).
-
-    Returns:
-        Shape (n, 2).
-    """
-    xyz = _tristimulus(kelvin)
-    return xyz[:, :2] / xyz.sum(axis=1, keepdims=True)
-
-
 def blackbody_color(kelvin: np.ndarray) -> np.ndarray:
     """Return the colour of a black body at luminance 1, in linear sRGB.
 
