@@ -7,7 +7,7 @@ from pathlib import Path
 from warpfluid.errors import describe
 from warpfluid.exporting.frame import Prepared, lit_box, prepare
 from warpfluid.exporting.record import Record
-from warpfluid.exporting.scene import Body, body_facts, find_bodies, scene_facts, write_stage
+from warpfluid.exporting.scene import BLENDER_SCENE, Body, body_facts, find_bodies, scene_facts, write_stage
 from warpfluid.files.sequences import format_frames, parse_frames
 from warpfluid.options import ExportOptions
 from warpfluid.outcome import name_failures
@@ -155,7 +155,7 @@ def _write_scene(record: Record, out: Path, options: ExportOptions, bodies: list
     if options.format == "blender":
         record.content["bodies"] = body_facts(bodies)
         record.write()
-        shutil.copyfile(Path(__file__).with_name("blender_scene.py"), out / SCRIPT)
+        shutil.copyfile(BLENDER_SCENE, out / SCRIPT)
         return [str(out / SCRIPT)]
     return []
 

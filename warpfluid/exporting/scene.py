@@ -4,14 +4,13 @@ from pathlib import Path
 
 import numpy as np
 
-from warpfluid.files.bodies import read_bodies
 from warpfluid.files.usd import UsdBody as Body
 from warpfluid.files.usd import write_usda
 from warpfluid.options import ExportOptions
-from warpfluid.run import BODIES
 from warpfluid.volumes import VolumeSequence
 
 FPS = 24.0
+BLENDER_SCENE = Path(__file__).with_name("blender_scene.py")  # the script that an export for Blender gets a copy of
 
 
 def find_bodies(sequence: VolumeSequence, options: ExportOptions) -> list[Body]:
@@ -21,26 +20,22 @@ def find_bodies(sequence: VolumeSequence, options: ExportOptions) -> list[Body]:
         ValueError: If the file of bodies is damaged or does not fit the settings.
         OSError: If it cannot be read.
     """
-    tables = (sequence.document or {}).get("body", ())
-    path = Path(sequence.name).expanduser() / BODIES
-    if not tables or not path.is_file() or options.format not in ("usda", "blender"):
+    if not (sequence.document or {}).get("body") or options.format not in ("usda", "blender"):
         return []
-    from warpfluid.options.scene import make_thing
-    from warpfluid.simulation.placing import Placing
+    from warpfluid.simulation.recorded import RecordedBodies
 
+    recorded = RecordedBodies(sequence.document, Path(sequence.name).expanduser())
+    if not recorded.names:
+        return []
     first = sequence.frames[0]
     file = sequence.read(first, ["density"])
     x, y, z = file.grids["density"].shape
-    placing, factor = Placing((x, z, y), 1.0), (options.voxel_size or file.voxel_size) / file.voxel_size
-    names, frames = read_bodies(path)
-    if len(names) != len(tables):
-        raise ValueError(f"{path} has {len(names)} bodies, the settings {len(tables)}")
+    factor = (options.voxel_size or file.voxel_size) / file.voxel_size
     bodies = []
-    for i, (name, table) in enumerate(zip(names, tables, strict=True)):
-        surface = placing.body(make_thing("body", table, where="run.toml: "), first)
-        poses = {f: (factor * listed[i]["position"], listed[i]["quaternion"]) for f, listed in frames.items()}
-        vertices = np.asarray(surface.vertices, float) * file.voxel_size * factor
-        bodies.append(Body(name, vertices, np.asarray(surface.triangles), poses))
+    for i, (name, body) in enumerate(zip(recorded.names, recorded.place((x, z, y), first), strict=True)):
+        poses = {f: (factor * listed[i]["position"], listed[i]["quaternion"]) for f, listed in recorded.states.items()}
+        vertices = np.asarray(body.vertices, float) * file.voxel_size * factor
+        bodies.append(Body(name, vertices, np.asarray(body.triangles), poses))
     return bodies
 
 

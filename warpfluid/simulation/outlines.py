@@ -1,15 +1,14 @@
 """The surfaces of what stands in a simulated run: its obstacles and rigid bodies, frame by frame, to be drawn."""
 
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
-from warpfluid.files.bodies import read_bodies
 from warpfluid.options.scene import make_thing
-from warpfluid.run import BODIES, Run
+from warpfluid.run import Run
 from warpfluid.simulation.placed import Placed
 from warpfluid.simulation.placing import Placing
+from warpfluid.simulation.recorded import RecordedBodies
 from warpfluid.simulation.shapes import Box, Mesh, Sphere
 from warpfluid.simulation.triangles import box_surface, turned_surface
 
@@ -42,12 +41,10 @@ class Outlines:
     """
 
     def __init__(self, run: Run):
-        self._settings, self._path = run.settings(), run.folder / BODIES
-        kinds = ("obstacle", "body")
-        self._things = {
-            kind: [make_thing(kind, table, where=f"[[{kind}]] ") for table in self._settings.get(kind, ())]
-            for kind in kinds
-        }
+        self._settings = run.settings()
+        tables = self._settings.get("obstacle", ())
+        self._obstacles = [make_thing("obstacle", table, where="run.toml: [[obstacle]] ") for table in tables]
+        self._bodies = RecordedBodies(self._settings, run.folder)
 
     def at(self, frame: int, shape: tuple[int, int, int]) -> list[Outline]:
         """Return the surfaces at a frame.
@@ -61,24 +58,15 @@ class Outlines:
             OSError: If a mesh cannot be read.
         """
         placing = Placing(tuple(shape), 1.0)
-        found = [
-            Outline(*_surface(placing.solid(options, frame, frame)), "obstacle") for options in self._things["obstacle"]
-        ]
-        states = self._bodies.get(frame, []) if self._things["body"] else []
-        if states and len(states) != len(self._things["body"]):
-            raise ValueError(f"{self._path} has {len(states)} bodies, the settings {len(self._things['body'])}")
+        found = [Outline(*_surface(placing.solid(options, frame, frame)), "obstacle") for options in self._obstacles]
+        states = self._bodies.states.get(frame, ())
         voxel = self._settings.get("output", {}).get("voxel_size", 1.0)
         voxel /= self._settings.get("simulate", {}).get("detail", 1)  # its files have more and smaller voxels
-        for options, state in zip(self._things["body"], states, strict=False):
-            body = placing.body(options, frame)
+        for body, state in zip(self._bodies.place(shape, frame) if states else (), states, strict=True):
             body.position = placing.origin + state["position"] / voxel
             body.quaternion = state["quaternion"]
             found.append(Outline(*body.surface(), "body"))
         return found
-
-    @cached_property
-    def _bodies(self) -> dict[int, list[dict[str, np.ndarray]]]:
-        return read_bodies(self._path)[1] if self._path.exists() else {}
 
 
 def _surface(placed: Placed) -> tuple[np.ndarray, np.ndarray]:
