@@ -102,7 +102,11 @@ def clip(tmp_path_factory) -> str:
     [
         ("reconstruct", 20.3e6, "reduce the footage, --resolution "),
         ("simulate", 12**2 * 16 * FLUID - 1, "fits has 11x15 voxels: choose it with --size"),
-        ("simulate CLIP --resolution-scale 2", 24**2 * 32 * FLUID - 1, "fits has 23x31 voxels: lower --resolution-scale"),
+        (
+            "simulate CLIP --resolution-scale 2",
+            24**2 * 32 * FLUID - 1,
+            "fits has 23x31 voxels: lower --resolution-scale",
+        ),
         ("render CLIP", 7e5, "voxels fit: make smaller ones where they come from"),
         ("render CLIP", 12**2 * 16 * 12 - 1, "at most 11x15x11 voxels fit"),
         ("export CLIP", 12**2 * 16 * 12 * 5 - 1, "at most 11x15x11 voxels fit"),
