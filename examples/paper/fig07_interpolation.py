@@ -33,7 +33,7 @@ inputs = {
 }
 rows = {"least squares": rendered}
 for name, (images, angles_deg, mixture) in inputs.items():
-    make = AppearanceTransfer(np.asarray(images), angles_deg, ANGLES, interpolation=mixture)
+    make = AppearanceTransfer(np.asarray(images), angles_deg, ANGLES, interpolation=mixture, part_highpass=False)
     rows[name] = make.transfer(rendered, rendered > 0)
 rows["truth"] = wanted
 
