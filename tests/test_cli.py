@@ -264,9 +264,9 @@ def test_many_damaged_frames_are_counted(tmp_path, refused):
 
 def test_export_of_no_run(tmp_path, capsys):
     """Neither a missing folder nor one without volumes is taken, and a lacking frame is named."""
-    for folder in (tmp_path / "gone", tmp_path):
+    for folder, lacking in ((tmp_path / "gone", "does not exist"), (tmp_path, "has no volumes")):
         assert run("export", folder, "-o", tmp_path / "out") == 2
-        assert f"{folder} has no volumes: name a run, or a folder" in capsys.readouterr().err
+        assert f"{folder} {lacking}: name a run, or a folder" in capsys.readouterr().err
     assert run("reconstruct", *quick(*pair(tmp_path), *BARE), "-o", tmp_path / "run", "--frames", "2") == 0
     capsys.readouterr()
     assert run("export", tmp_path / "run", "-o", tmp_path / "out", "--frames", "2-4") == 2

@@ -110,4 +110,4 @@ def test_simulate(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "shot.toml").write_text(FILE)
     assert run("simulate", "--config", "shot.toml", "-o", "out") == 2
-    assert "smoke has no volumes" in capsys.readouterr().err
+    assert "smoke does not exist" in capsys.readouterr().err

@@ -64,7 +64,7 @@ def refused(tmp_path, monkeypatch, capsys):
                 "resolution is '0x0'",
                 "key-light is 'up'",
                 "zoom is 0",
-                "gone has no volumes",
+                "gone does not exist",
                 "no place is given",
             ],
         ),
@@ -89,17 +89,17 @@ def refused(tmp_path, monkeypatch, capsys):
                 "swirl is 99",
                 "'x' has no value",
                 "shape is 'cube'",
-                "gone has no volumes",
+                "gone does not exist",
             ],
         ),
-        (["compare", "gone", "--fps", "0", "--truth", "lost"], ["fps is 0", "gone has no", "lost has no"]),
+        (["compare", "gone", "--fps", "0", "--truth", "lost"], ["fps is 0", "gone does not exist", "lost does not exist"]),
         (
             ["export", "gone", "--half", "--format", "vti", "--fps", "0"],
-            ["half is for", "fps is 0", "gone has no", "no folder is given"],
+            ["half is for", "fps is 0", "gone does not exist", "no folder is given"],
         ),
         (
             ["preview", "gone", "--show", "wind", "--window", "9", "--exposure", "nan"],
-            ["there is no 'wind'", "window is '9'", "exposure is nan", "gone has no volumes"],
+            ["there is no 'wind'", "window is '9'", "exposure is nan", "gone does not exist"],
         ),
         (["flow", "--front", "gone", "--black-level", "300", "-o", "a"], ["gone does not exist", "black-level is 300"]),
         (["inspect", *FRONT, "--white", "x", "--hull", "square"], ["'x' is not a number", 'value "square" for --hull']),
@@ -130,7 +130,7 @@ def test_a_file_the_environment_and_flags(refused, tmp_path_factory, monkeypatch
         "WARPFLUID_JOBS: jobs",
         "WARPFLUID_THREADS is '-2'",
         "zoom is 0",
-        "gone has no volumes",
+        "gone does not exist",
     ):
         assert sum(words in line for line in lines) == 1
     assert len(lines) == 5

@@ -152,7 +152,7 @@ def test_what_cannot_be_compared(made, tmp_path, refused):
     assert "no frame in common (soft has 1-4, later has 7)" in refused(made["soft"], later)
     assert "frame 9 is not in all of them" in refused(made["soft"], made["half"], "--frames", "9")
     assert "the numbers need at least 25 a side" in refused(small, slim)
-    assert "has no volumes" in refused(made["soft"], tmp_path / "nothing")
+    assert "nothing does not exist" in refused(made["soft"], tmp_path / "nothing")
     two = (made["soft"], made["half"])
     assert "film.avi ends in '.avi': films are .mp4, .webp, .gif, a sheet is .png" in refused(*two, "-o", "film.avi")
     assert "is no folder" in refused(*two, "-o", tmp_path / "none" / "film.mp4")

@@ -243,7 +243,7 @@ def test_the_source_is_never_written_over(tmp_path, fire, capsys):
         (["--preset", "fire", "--obstacle", "mesh"], "--obstacle: a shape is mesh, but no file is named: add mesh=FI"),
         (["--preset", "fire", "--body", "mesh mesh=gone.obj"], "gone.obj does not exist"),
         (["--preset", "fire", "--force", "vortex strength=fast"], "--force: strength is 'fast', expected a number"),
-        (["gone"], "has no volumes: name a run, or a folder, pattern or file of .vdb"),
+        (["gone"], "gone does not exist: name a run, or a folder, pattern or file of .vdb"),
         (["--config", "gone.toml"], "gone.toml does not exist"),
         (["a", "--force", "drag", "strength=2"], "no place for 'strength=2': write what belongs together in quotes"),
         (["--preset", "fire", "--swirl", "1", "--blend", "x"], "blend is 'x', expected a number, or keys such as"),

@@ -1,11 +1,15 @@
 """Find the files of a sequence."""
 
 import re
+from difflib import SequenceMatcher
 from pathlib import Path
+
+from warpfluid.run import SETTINGS
 
 ENDINGS = (".vdb", ".npz", ".nvdb", ".vti")
 _NUMBER = re.compile(r"(?:%0?\d*d|#+|\*)")
 _LAST = re.compile(r"\d+(?=\D*$)")
+MOST_NAMED = 6  # runs beside a path that does not exist
 
 
 def find_volumes(path: Path) -> dict[int, Path]:
@@ -29,7 +33,9 @@ def find_volumes(path: Path) -> dict[int, Path]:
     found = [file for file in found if file.suffix in ENDINGS and file.name != "checkpoint.npz"]
     if not found:
         kinds = f"{', '.join(ENDINGS[:-1])} or {ENDINGS[-1]}"
-        raise ValueError(f"{path} has no volumes: name a run, or a folder, pattern or file of {kinds} volumes")
+        lacking = "has no volumes" if path.exists() or _NUMBER.search(path.name) else "does not exist"
+        way_out = f"name a run, or a folder, pattern or file of {kinds} volumes"
+        raise ValueError(f"{path} {lacking}: {way_out}{_runs_beside(path)}")
     names = sorted({_LAST.sub("####", file.stem) + file.suffix for file in found})
     if len(names) > 1:
         raise ValueError(f"{path} has several sequences, {', '.join(names[:4])}: choose one with a pattern")
@@ -38,3 +44,16 @@ def find_volumes(path: Path) -> dict[int, Path]:
     if len(files) < len(found):
         raise ValueError(f"{path} has several volumes of one frame: leave one of them")
     return files
+
+
+def _runs_beside(path: Path) -> str:
+    """Return which runs there are in the folder of a path that does not exist, those of like names first."""
+    if path.exists():
+        return ""
+    try:
+        there = [folder.name for folder in path.parent.iterdir() if (folder / SETTINGS).is_file()]
+    except OSError:
+        return ""
+    there.sort(key=lambda name: (-SequenceMatcher(None, name, path.name).ratio(), name))
+    more = f" and {len(there) - MOST_NAMED} more" if len(there) > MOST_NAMED else ""
+    return f"; runs beside it: {', '.join(there[:MOST_NAMED])}{more}" if there else ""
