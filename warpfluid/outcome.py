@@ -9,6 +9,7 @@ from warpfluid.progress import Progress
 from warpfluid.run import Run
 
 TRY_AGAIN = "what is not named here is whole; the same command with --resume tries again"
+EXACT = 150  # dB, above which nothing but the rounding of floats is left
 
 
 def conclude(run: Run, frames: Collection[int], failed: dict[str, str], *, as_json: bool) -> int:
@@ -28,17 +29,36 @@ def conclude(run: Run, frames: Collection[int], failed: dict[str, str], *, as_js
     return name_failures(failed, TRY_AGAIN)
 
 
-def do_all(jobs: Mapping[str, Callable[[], object]], log: Progress) -> dict[str, str]:
-    """Write files, each by a function of its own; return what failed, by the file's name."""
-    failed = {}
+def do_all(jobs: Mapping[str, Callable[[], object]], log: Progress, go_on: str) -> dict[str, str]:
+    """Write what shows a run, each file by a function of its own; return what failed, by the file's name.
+
+    Args:
+        jobs: The functions, by the names of their files.
+        log: Progress.
+        go_on: Command that makes what is not there yet.
+
+    Raises:
+        KeyboardInterrupt: If it is stopped; it says how to go on.
+    """
+    failed, left = {}, list(jobs)
     for name, job in jobs.items():
         log.line(f"write   {name}")
         try:
             job()
+            left.remove(name)
+        except KeyboardInterrupt as stop:
+            there = "stopped; the frames are there"
+            raise KeyboardInterrupt(f"{there}; to make {' and '.join(left)}: {go_on}") from stop
         except (ValueError, OSError) as error:
             failed[name] = describe(error)
             log.stack()
     return failed
+
+
+def exactness(decibels: Collection[float]) -> str:
+    """Return in words how exactly a volume renders its views, by the worst of them [dB]."""
+    worst = min(decibels)
+    return "exact" if worst > EXACT else f"{worst:.1f} dB"
 
 
 def name_failures(failed: dict[str, str], way_out: str) -> int:

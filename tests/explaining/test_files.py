@@ -189,3 +189,33 @@ def test_files_or_footage(tmp_path, capsys):
     assert "is explained as it is; footage follows --view" in capsys.readouterr().err
     assert run("inspect", tmp_path) == 1
     assert "is a folder without a run, volumes or pictures; it has nothing" in capsys.readouterr().err
+
+
+def test_a_run_that_was_broken_off(tmp_path, capsys):
+    """Frames, film and page that lack are told with the command that makes them, and a whole run has no warning."""
+    out, views = tmp_path / "run", pair(tmp_path)
+    go_on = f"warpfluid reconstruct -o {out} --resume"
+    assert run("reconstruct", *quick(*views, *BARE), "-o", out, "-q") == 0
+    assert explain(out)["warnings"] == []
+    (out / "density.0002.vdb").unlink()
+    told = explain(out)
+    assert (told["frames"], told["count"]) == ("1,3", 2)
+    assert told["warnings"] == [f"2 of 3 frames, not finished, without 2: {go_on}"]
+    assert run(*go_on.split()[1:], "--report", "-q") == 0
+    (out / "report.html").unlink()
+    assert explain(out)["warnings"] == [f"report.html lacks: {go_on}"]
+    assert run(*go_on.split()[1:], "--frames", "1", "--no-report", "-q") == 0
+    assert explain(out)["warnings"] == []  # a part that is made again asks for no less
+    (out / "density.0003.vdb").unlink()
+    assert explain(out)["warnings"] == [f"2 of 3 frames, not finished, without 3: {go_on}"]
+
+
+def test_an_empty_box_is_told_by_its_size(tmp_path):
+    """As people write it, and as the command line takes it; frames that lack count there, too."""
+    box = ("--size", "12x16", "--emitter", "sphere center=0,2,0 radius=1.5 density=8", "--frames", "1-2")
+    assert run("simulate", *box, *BARE, "--device", "cpu", "-q", "-o", tmp_path / "box") == 0
+    (tmp_path / "box" / "density.0002.vdb").unlink()
+    told = explain(tmp_path / "box")
+    assert told["made_of"] == "an empty box of 12 x 16"
+    go_on = f"warpfluid simulate -o {tmp_path / 'box'} --resume"
+    assert told["warnings"] == [f"1 of 2 frames, not finished, without 2: {go_on}"]

@@ -51,7 +51,7 @@ def reconstruct(
     if resume:
         check_footage(run, shot, settings)
     with reach(asked, need=inspection.memory_bytes, folder=run.folder, say=log.line) as crew:
-        facts = {"device": str(device), "inputs": shot.background_hashes()}
+        facts = {"device": str(device), "frames": format_frames(shot.frames), "inputs": shot.background_hashes()}
         done = run.begin(settings, facts, resume=resume, overwrite=overwrite)
         for line in inspection.lines():
             log.line(line)
@@ -83,4 +83,5 @@ def _summarize(
         jobs[FILM] = lambda: write_film(run, settings.output.look, run.folder / FILM)
     if settings.output.report:
         jobs[PAGE] = lambda: report_reconstruction(run, shot, settings, inspection, device=device)
-    return do_all(jobs if set(run.records()) & set(shot.frames) else {}, log)
+    go_on = f"warpfluid reconstruct -o {run.folder} --resume"
+    return do_all(jobs if set(run.records()) & set(shot.frames) else {}, log, go_on)

@@ -9,8 +9,8 @@ from importlib.resources import files
 from pathlib import Path
 
 from warpfluid.errors import Problems, describe
-from warpfluid.files.sequences import parse_frames
-from warpfluid.outcome import conclude, do_all
+from warpfluid.files.sequences import format_frames, parse_frames
+from warpfluid.outcome import conclude, do_all, exactness
 from warpfluid.presets import preset_names, preset_settings
 from warpfluid.progress import Progress, say_left
 from warpfluid.run import FILM, PAGE, SETTINGS, Run
@@ -58,7 +58,7 @@ def simulate(asked: Asked, out: Path, *, paper: bool, document: dict, resume: bo
     frames = _frames(_joined(run, settings.simulate.frames) if resume else settings.simulate.frames, source)
     volumes = source.volumes
     facts = {"device": str(device), "angles": list(volumes.angles_deg), "scale": volumes.scale}
-    facts["inputs"] = volumes.hashes()
+    facts |= {"frames": format_frames(frames), "inputs": volumes.hashes()}
     kept = run.begin(settings, facts, resume=resume, overwrite=overwrite)
     size = "x".join(map(str, _sizes(source)))
     log.line(f"source  {settings.source or 'an empty box'}: {size} voxels, {len(frames)} frames")
@@ -188,7 +188,7 @@ def _animate(run: Run, settings: SimulateSettings, source: Source, frames, devic
         for record in Animator(animation, frames).run(run, resume=resume):
             took += [record["seconds"]] if record["steps"] else []  # the first frame may be the source as it is
             left = sum(took) / max(len(took), 1) * sum(frame > record["frame"] for frame in frames)
-            exact = f", views {min(record['input_psnr']):.1f} dB" if "input_psnr" in record else ""
+            exact = f", views {exactness(record['input_psnr'])}" if "input_psnr" in record else ""
             made = f"{record['seconds']:.1f} s, {record['steps']} steps{exact}, {record['file']}"
             log.line(f"frame   {record['frame']}  {made}{say_left(left)}")
     except KeyboardInterrupt as stop:
@@ -212,7 +212,8 @@ def _summarize(run: Run, settings: SimulateSettings, source: Source, device, log
         jobs[FILM] = lambda: write_film(run, look, run.folder / FILM, scale=scale)
     if settings.output.report:
         jobs[PAGE] = lambda: report_simulation(run, settings, source, device=device)
-    return do_all(jobs if run.records() else {}, log)
+    go_on = f"warpfluid simulate -o {run.folder} --resume"
+    return do_all(jobs if run.records() else {}, log, go_on)
 
 
 def _size(text: str) -> tuple[int, int]:

@@ -50,3 +50,6 @@ def join_frames(old: dict, new: dict) -> None:
         new[section].pop("frames", None)
     else:
         new[section]["frames"] = format_frames(frame for part in parts for frame in parse_frames(part))
+    noted = [document.get("made-with", {}).get("frames") for document in (old, new)]
+    if all(noted):
+        new["made-with"]["frames"] = format_frames(frame for part in noted for frame in parse_frames(part))
