@@ -6,7 +6,6 @@ turntable and a report. Every file is written under another name and renamed, so
 """
 
 import json
-import os
 import platform
 from collections.abc import Collection, Mapping
 from importlib.metadata import version
@@ -17,6 +16,7 @@ import numpy as np
 from warpfluid import __version__
 from warpfluid.errors import describe, writing
 from warpfluid.files.atomic import replacing
+from warpfluid.files.folders import check_writable
 from warpfluid.files.lines import append_line, line_of, read_lines
 from warpfluid.files.tables import check_table, write_table
 from warpfluid.files.vdb import layout, lost_mass, read_vdb, write_vdb
@@ -101,8 +101,7 @@ class Run:
         nearest = next(path for path in (self.folder, *self.folder.absolute().parents) if path.exists())
         if not nearest.is_dir():
             raise ValueError(f"{self.folder} cannot be a folder, {nearest} is a file: choose another one with -o")
-        if not os.access(nearest, os.W_OK | os.X_OK):
-            raise ValueError(f"{nearest} is write-protected: choose another folder with -o")
+        check_writable(self.folder)
         there = (self.folder / SETTINGS).exists()
         if there and not (resume or overwrite):
             raise ValueError(

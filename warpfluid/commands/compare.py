@@ -10,6 +10,7 @@ from warpfluid.comparison.entries import Entry, common_frames, make_entries, sam
 from warpfluid.comparison.film import FILMS, SHEET, write_film, write_sheet
 from warpfluid.comparison.text import comparison_lines
 from warpfluid.errors import Problems, describe
+from warpfluid.files.folders import check_writable
 from warpfluid.files.sequences import parse_frames
 from warpfluid.footage.origin import Footage, find_footage, find_reconstruction
 from warpfluid.footage.sources import spread
@@ -46,6 +47,8 @@ def compare(names: Sequence[str], truth: str | None, options: CompareOptions, ou
 
     log, problems = Progress(quiet=common.quiet, verbose=common.verbose), Problems()
     problems.extend(_wrong_outs(outs))
+    for path in outs:
+        problems.attempt(check_writable, path.parent)
     angles = problems.attempt(_angles, options.scored_angles)
     device = problems.attempt(pick_device, common.device)
     field = problems.attempt(_open, names, truth, options)

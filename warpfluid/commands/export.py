@@ -8,6 +8,7 @@ from warpfluid.errors import describe
 from warpfluid.exporting.frame import Prepared, lit_box, prepare
 from warpfluid.exporting.record import Record
 from warpfluid.exporting.scene import BLENDER_SCENE, Body, body_facts, find_bodies, scene_facts, write_stage
+from warpfluid.files.folders import check_writable
 from warpfluid.files.sequences import format_frames, parse_frames
 from warpfluid.options import ExportOptions
 from warpfluid.outcome import name_failures
@@ -33,6 +34,7 @@ def export(source: str, out: Path, options: ExportOptions, *, resume: bool, over
         OSError: If the source cannot be read or the folder not written.
     """
     log = Progress(quiet=common.quiet, verbose=common.verbose)
+    check_writable(out)
     sequence = open_volumes(source, grid=options.grid, up=options.source_up, unchecked=True)
     check_room(sequence.shape, _numbers(sequence, options))
     frames = _wanted(sequence, options)

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 from warpfluid.doctor import drawing
+from warpfluid.files.folders import check_writable
 from warpfluid.files.images import write_png
 from warpfluid.options import PreviewOptions
 from warpfluid.preview.page import write_page
@@ -45,6 +46,7 @@ def _check_path(path: Path | None, endings: tuple[str, ...]) -> None:
         raise ValueError(f"{path} ends in {path.suffix!r}, expected {' or '.join(endings)}")
     if not path.parent.is_dir():
         raise ValueError(f"{path} cannot be written, {path.parent} is no folder: name one that is there")
+    check_writable(path.parent)
 
 
 def _write_page(path: Path, scene: Scene, options: PreviewOptions, log: Progress) -> dict:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from warpfluid.files.folders import check_writable
 from warpfluid.files.sequences import has_number, insert_word, numbered_path
 from warpfluid.rendering.display import quantize
 from warpfluid.rendering.picture import Picture
@@ -26,7 +27,7 @@ class Target:
         deep: 16 bits a channel in .png.
 
     Raises:
-        ValueError: If no picture can have that name.
+        ValueError: If no picture can have that name, or its folder is protected.
     """
 
     path: Path
@@ -47,6 +48,7 @@ class Target:
         folder = self.path.absolute().parent
         if not next(there for there in (folder, *folder.parents) if there.exists()).is_dir():
             raise ValueError(f"{self.path.parent} cannot be a folder, there is a file: choose another name with -o")
+        check_writable(folder)
 
     @property
     def is_film(self) -> bool:
