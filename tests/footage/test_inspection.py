@@ -34,7 +34,7 @@ def test_known_remedy_is_found(offset, shift, scale):
     """A view that runs late, sits low and is dim is told to the frame and pixel."""
     light = history(46, 90)
     reference = light[8:38, 15:75]
-    sums = light[8 - offset : 38 - offset, 15 + shift : 75 + shift] / scale
+    sums = light[8 + offset : 38 + offset, 15 + shift : 75 + shift] / scale
     remedy = compare_row_sums(reference, sums)
     assert (remedy.time_offset, remedy.vertical_shift) == (offset, shift)
     assert remedy.exposure_scale == pytest.approx(scale, rel=1e-6)
@@ -157,12 +157,12 @@ def test_a_late_view_is_noticed(tmp_path):
     front = write(tmp_path / "front", flame)
     side = write(tmp_path / "side", lambda frame: flame(frame - 2))
     found = inspect_shot(open_shot([f"0={front}", f"90={side}"]))
-    assert found.pairs[0].remedy.time_offset == 2
+    assert found.pairs[0].remedy.time_offset == -2
     assert found.pairs[0].remedy.disagreement_after < 0.02
     assert any("2 frames earlier" in hint for hint in found.hints)
     data = json.loads(json.dumps(found.to_dict()))
     assert data == found.to_dict()
-    assert data["pairs"][0]["remedy"]["time_offset"] == 2
+    assert data["pairs"][0]["remedy"]["time_offset"] == -2
     assert data["volume_size"] == [24, 32, 24]
     assert any("view 90 against view 0" in line for line in found.lines())
 
@@ -175,7 +175,45 @@ def test_one_view_is_described(tmp_path):
     assert (view.footage_size, view.size, view.frames, view.kind) == ((24, 32), (24, 32), "1-12", "images")
     assert (view.brightest, view.background, view.saturated) == (pytest.approx(180, abs=2), 0, 0)
     assert (found.frames, found.frame_count, found.pairs) == ("1-6", 6, ())
-    assert found.hints == ()
+    (hint,) = found.hints  # the puff begins at the lower edge
+    assert "view 0: light crosses the bottom edge: the volume ends there in a flat cut" in hint
+    assert inspect_shot(open_shot([f"0={folder}"], InputOptions(frames="4-8"))).hints == ()
+
+
+def test_what_is_cut_at_the_top(tmp_path):
+    """The volume ends where the picture does; a lit background has another way out."""
+    folder = write(tmp_path / "high", lambda frame: flame(frame)[6:])
+    assert any("crosses the bottom and top edge" in hint for hint in inspect_shot(open_shot([f"0={folder}"])).hints)
+    grey = write(tmp_path / "grey", lambda frame: flame(frame)[6:] // 2 + 30)
+    assert not any("flat cut" in hint for hint in inspect_shot(open_shot([f"0={grey}"])).hints)
+
+
+def test_a_remedy_has_one_sign(tmp_path):
+    """The row line, the hint and the flag agree; what is aligned is told before its rows, as they are now."""
+    front = write(tmp_path / "front", flame)
+    side = write(tmp_path / "side", lambda frame: flame(frame - 2))
+    views = [f"0={front}", f"90={side}"]
+    found = inspect_shot(open_shot(views))
+    assert "apart; -2 frames, +0 pixels" in "\n".join(found.lines())
+    assert any("play it 2 frames earlier" in hint for hint in found.hints)
+    by_hand = inspect_shot(open_shot(views, InputOptions(view_time="90=-2")))
+    assert by_hand.pairs[0].remedy.disagreement < 0.02
+    lines = by_hand.lines()
+    (align,), (rows,) = ([i for i, line in enumerate(lines) if line.startswith(name)] for name in ("align", "rows"))
+    assert align < rows
+    assert "apart now; +0 frames" in lines[rows]
+
+
+def test_only_what_was_measured_is_promised(tmp_path):
+    """Before the background is off the rows compare other light: no number is promised."""
+    for name, grey in (("dark", 0), ("lit", 30)):
+        (tmp_path / name).mkdir()
+        front = write(tmp_path / name / "front", lambda frame, grey=grey: flame(frame) // 2 + grey)
+        side = write(tmp_path / name / "side", lambda frame, grey=grey: flame(frame - 2) // 2 + grey)
+        hints = "\n".join(inspect_shot(open_shot([f"0={front}", f"90={side}"])).hints)
+        assert "play it 2 frames earlier" in hints
+        assert ("is left; --align auto does it" in hints) is (grey == 0)
+        assert ("take the background off, then look again with --align auto" in hints) is (grey > 0)
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,8 @@ def find_hints(views, pairs, share: float, options: ReconstructOptions, *, equal
         equalize_rows: Whether the reconstruction makes the row sums equal, so that unlike exposure does no harm.
     """
     hints = [hint for view in views for hint in _view_hints(view, options)]
-    hints += [hint for pair in pairs for hint in _pair_hints(pair, equalize_rows)]
+    lit = any(_stands_out(view) for view in views)
+    hints += [hint for pair in pairs for hint in _pair_hints(pair, equalize_rows, lit=lit)]
     if share > MOSTLY_LIT:
         hints.append(
             f"the visual hull fills {share:.0%} of the box: mostly background is lit; try --black-level or --background"
@@ -43,11 +44,20 @@ def cost_hints(size: tuple[int, int], frames: int, share: float, options: Recons
     return [f"this is a long or large run: --resolution {width} needs about {format_duration(seconds)}"]
 
 
+def _sides(view) -> list[str]:
+    return [edge for edge in view.cut if edge in ("left", "right")]
+
+
+def _stands_out(view) -> bool:
+    """Return whether the background is lit; fluid alone may well stand on the lower edge."""
+    return view.floor > LIT and (view.background > LIT or bool(_sides(view)))
+
+
 def _view_hints(view, options: ReconstructOptions) -> list[str]:
     """Return what would help a view by itself."""
-    hints, name = [], f"view {view.angle_deg:g}"
-    sides = [edge for edge in view.cut if edge in ("left", "right")]
-    if view.floor > LIT and (view.background > LIT or sides):  # fluid may well stand on the lower edge
+    hints, name, sides = [], f"view {view.angle_deg:g}", _sides(view)
+    ends = [edge for edge in view.cut if edge not in sides]
+    if _stands_out(view):
         hints.append(
             f"{name}: the empty part goes up to grey {view.floor:.0f}, not black: "
             f"try --black-level {view.clearing_level}, or --background with a picture of the empty set"
@@ -62,11 +72,19 @@ def _view_hints(view, options: ReconstructOptions) -> list[str]:
             f"{name}: light crosses the {' and '.join(sides)} edge: what lies outside is lost; "
             "take a wider picture, or the background off"
         )
+    elif ends and view.background <= LIT:
+        hints.append(
+            f"{name}: light crosses the {' and '.join(ends)} edge: the volume ends there in a flat cut; "
+            "take a taller picture, or hide the cut in the scene"
+        )
     return hints
 
 
-def _pair_hints(pair, equalize_rows: bool) -> list[str]:
-    """Return the remedy in words, where it takes away enough and the reconstruction does not do it anyway."""
+def _pair_hints(pair, equalize_rows: bool, *, lit: bool) -> list[str]:
+    """Return the remedy in words, where it takes away enough and the reconstruction does not do it anyway.
+
+    How much it would leave is told only if the background is off: without it other light is compared.
+    """
     remedy, name = pair.remedy, f"view {pair.angle_deg:g}"
     gained = remedy.disagreement - remedy.disagreement_after
     if remedy.disagreement_after > HARDLY:
@@ -78,7 +96,7 @@ def _pair_hints(pair, equalize_rows: bool) -> list[str]:
         return []
     steps = []
     if remedy.time_offset:
-        when = "earlier" if remedy.time_offset > 0 else "later"
+        when = "later" if remedy.time_offset > 0 else "earlier"
         steps.append(f"play it {count_of(remedy.time_offset, 'frame')} {when}")
     if remedy.vertical_shift:
         where = "up" if remedy.vertical_shift > 0 else "down"
@@ -87,7 +105,9 @@ def _pair_hints(pair, equalize_rows: bool) -> list[str]:
         steps.append(f"multiply its light by {remedy.exposure_scale:.2f}")
     if not steps:
         return []
+    left = "" if lit else f", and {remedy.disagreement_after:.0%} is left"
+    way_out = "take the background off, then look again with --align auto" if lit else "--align auto does it"
     return [
         f"{name}: its rows disagree with view {pair.reference_deg:g} by {remedy.disagreement:.0%}: "
-        f"{', '.join(steps)}, and {remedy.disagreement_after:.0%} is left; --align auto does it"
+        f"{', '.join(steps)}{left}; {way_out}"
     ]

@@ -85,13 +85,13 @@ class Inspection:
         x, y, z = self.volume_size
         return [
             *(line for view in self.views for line in _view_lines(view)),
-            *(_pair_line(pair) for pair in self.pairs),
+            *(f"align   {view.line()}" for view in self.alignments),
+            *([f"        by hand: {flags(found)}"] if (found := self._found()) else []),
+            *(_pair_line(pair, aligned=bool(self.alignments)) for pair in self.pairs),
             f"volume  {x} x {y} x {z} voxels, {self.hull_share:.0%} of them inside the visual hull",
             f"frames  {self.frame_count} ({self.frames})",
             f"needs   {self._needs()}",
             *(f"note    {note}" for note in self.notes),
-            *(f"align   {view.line()}" for view in self.alignments),
-            *([f"        by hand: {flags(found)}"] if (found := self._found()) else []),
             *(f"hint    {hint}" for hint in self.hints),
         ]
 
@@ -239,11 +239,12 @@ def _view_lines(view: ViewInspection) -> list[str]:
     ]
 
 
-def _pair_line(pair: PairInspection) -> str:
-    remedy = pair.remedy
+def _pair_line(pair: PairInspection, *, aligned: bool) -> str:
+    """Return how row sums agree, and the remedy with the sign of ``--view-time`` and ``--view-shift``."""
+    remedy, now = pair.remedy, " now" * aligned
     return (
         f"rows    view {pair.angle_deg:g} against view {pair.reference_deg:g}: {remedy.disagreement:.1%} "
-        f"apart; {remedy.time_offset:+d} frames, {remedy.vertical_shift:+d} pixels, "
+        f"apart{now}; {remedy.time_offset:+d} frames, {remedy.vertical_shift:+d} pixels, "
         f"x {remedy.exposure_scale:.3f} would leave {remedy.disagreement_after:.1%}"
     )
 

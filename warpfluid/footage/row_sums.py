@@ -18,7 +18,7 @@ class Remedy:
 
     Attributes:
         disagreement: Rms of the difference over the rms of the row sums, 0 to about 1.4.
-        time_offset: Play the view this much earlier [frame].
+        time_offset: Play the view this much later [frame], as ``--view-time`` does.
         vertical_shift: Move its pictures up by this much [pixel].
         exposure_scale: Multiply them by this.
         disagreement_after: What would be left.
@@ -60,8 +60,8 @@ def compare_row_sums(reference: np.ndarray, sums: np.ndarray) -> Remedy:
 
 
 def _overlap(a: np.ndarray, b: np.ndarray, offset: int, shift: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return what remains of both row sums when b is played earlier by offset and moved up by shift."""
-    for axis, by in ((0, -offset), (1, shift)):
+    """Return what remains of both row sums when b is played later by offset and moved up by shift."""
+    for axis, by in ((0, offset), (1, shift)):
         length = a.shape[axis]
         first = [slice(None)] * 2
         second = [slice(None)] * 2
