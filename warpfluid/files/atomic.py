@@ -1,10 +1,14 @@
 """Files that appear whole or not at all."""
 
 import os
+import platform
+import re
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
+
+_LEFT = re.compile(r"\..+\.(\d+)@(.+)\.tmp")  # hidden, with the process and the machine that writes it
 
 
 @contextmanager
@@ -24,7 +28,7 @@ def replacing(path: str | Path) -> Iterator[BinaryIO]:
         OSError: If the file cannot be written; it names ``path``.
     """
     path = Path(path)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    temporary = path.with_name(f".{path.name}.{os.getpid()}@{platform.node()}.tmp")
     try:
         with open(temporary, "wb") as file:
             yield file
@@ -33,3 +37,29 @@ def replacing(path: str | Path) -> Iterator[BinaryIO]:
         raise OSError(error.errno, f"cannot write the file: {error.strerror or error}", str(path)) from error
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def remove_left(folder: str | Path) -> None:
+    """Remove the temporary files of processes of this machine that were killed while they wrote.
+
+    Args:
+        folder: Where they are; those of other machines and of living processes stay.
+    """
+    for path in Path(folder).glob(".*.tmp"):
+        found = _LEFT.fullmatch(path.name)
+        if found and found[2] == platform.node() and not _lives(int(found[1])):
+            with suppress(OSError):  # another one removes it, too, or may alone
+                path.unlink(missing_ok=True)
+
+
+def _lives(process: int) -> bool:
+    """Tell whether there may be a process of a number on this machine."""
+    if os.name != "posix":  # elsewhere to ask is to end it
+        return True
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except (OSError, OverflowError):
+        return True
+    return True

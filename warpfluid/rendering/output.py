@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from warpfluid.files.atomic import remove_left
 from warpfluid.files.folders import check_writable
 from warpfluid.files.sequences import has_number, insert_word, numbered_path
 from warpfluid.rendering.display import quantize
@@ -61,12 +62,14 @@ class Target:
         return has_number(self.path)
 
     def make_folder(self) -> None:
-        """Make the folder that the files go into.
+        """Make the folder that the files go into, without what a killed render left half written in it.
 
         Raises:
             OSError: If it cannot be made.
         """
-        self.path.absolute().parent.mkdir(parents=True, exist_ok=True)
+        folder = self.path.absolute().parent
+        folder.mkdir(parents=True, exist_ok=True)
+        remove_left(folder)
 
     def files(self, number: int) -> list[Path]:
         """Return the files of a picture: one, or one an eye."""
