@@ -76,6 +76,15 @@ def test_every_look_makes_a_picture(clip, tmp_path, look):
     assert picture[0, 0].max() == 0
 
 
+def test_what_stands_in_is_said_of_a_chosen_look_only(clip, tmp_path, capsys):
+    """Or to who asks for more words: a run's own look without its field is the usual case."""
+    picture = ("render", clip, "-o", tmp_path / "a.png", "--frames", "1", *SMALL)
+    assert run(*picture) == 0
+    assert "stands in" not in capsys.readouterr().err
+    assert run(*picture, "-v", "--overwrite") == 0
+    assert "wants flame" in capsys.readouterr().err
+
+
 def test_what_stands_in_is_said(clip, tmp_path, capsys):
     assert run("render", clip, "-o", tmp_path / "a.png", "--frames", "1", "--look", "fire", *SMALL) == 0
     assert "the emission of fire wants flame, which is not there" in capsys.readouterr().err

@@ -61,7 +61,7 @@ def render(
     stands = Outlines(Run(Path(source).expanduser())) if light.bodies and volumes.document else None
     job = PictureJob(volumes, decided(camera, options), studio, target, stands)
     work = Work(job=job, shots=shots, log=log, **_records(target, volumes))
-    fields = _say(work)
+    fields = _say(work, verbose=common.verbose)
     need = job.need(fields["density"].shape, len(fields))
     check_room(volumes.shape, bytes_of=lambda box: job.need((box[0], box[2], box[1]), len(fields)), device=device)
     about = made_with(camera, light, options, options.look or volumes.output.look, volumes.scale)
@@ -106,7 +106,7 @@ def _brightest(volumes: VolumeSequence, frame: int) -> float:
         return 0.0
 
 
-def _say(work: Work) -> dict:
+def _say(work: Work, *, verbose: bool) -> dict:
     """Say what is made of what, judged by the fields of the first frame that can be read; return them."""
     volumes, studio, fields = work.job.volumes, work.job.studio, {}
     for frame in dict.fromkeys(shot.frame for shot in work.shots):
@@ -124,7 +124,8 @@ def _say(work: Work) -> dict:
     work.log.line(f"source  {volumes.name}: {x}x{y}x{z} voxels, {len(volumes.frames)} frames")
     work.log.notes(volumes.messages)
     work.log.line(f"render  {len(work.shots)} pictures of {width}x{height}, look {name}, mode {studio.options.mode}")
-    work.log.notes(stand_ins(studio.look, fields) if studio.look else ())
+    if studio.look and (studio.options.look or verbose):  # of the run's own look they are the usual case
+        work.log.notes(stand_ins(studio.look, fields))
     return fields
 
 
