@@ -7,8 +7,10 @@ from warpfluid.device import pick_device
 from warpfluid.files.npz import write_npz
 from warpfluid.options import THINGS, OutputOptions, Scene, SimulateOptions
 from warpfluid.options.scene import parse_thing
+from warpfluid.run import Run
 from warpfluid.simulation.animate import Animator
 from warpfluid.simulation.animation import Animation
+from warpfluid.simulation.checkpoint import load_state, save_state
 from warpfluid.simulation.source import fill_box
 from warpfluid.volumes import open_volumes
 
@@ -85,3 +87,37 @@ def test_who_is_blamed(blobs, device, options, things, blamed):
     """The setting that drives the fluid most."""
     fluid = animator(blobs, device, things=things, **options)
     assert blamed in fluid._cause(1, 2)
+
+
+SLAB = {"obstacle": ["box center=0,5,0 size=6.7,0.9,6.7"]}
+
+
+def test_an_obstacle_is_empty_from_the_first_frame(blobs, device):
+    """What the volume has there is taken away before anything is written."""
+    state = animator(blobs, device, things=SLAB, combustion=True).state
+    inside = animator(blobs, device, things=SLAB).scenery.solids(1, 2, 1.0).fluid.numpy() == 0
+    assert blobs.volume(1)[inside].max() > 0
+    for field in (state.density, state.temperature, state.fuel):
+        assert field.numpy().max() > 0
+        assert field.numpy()[inside].max() == 0
+
+
+def test_an_obstacle_keeps_the_footage_from_what_lies_behind(blobs, device):
+    """The blob rises against a slab as wide as the box: what the volumes show above it is hardly made anew."""
+    above = {}
+    for name, things in (("free", {}), ("stopped", SLAB)):
+        fluid = animator(blobs, device, things=things, fidelity=0.05)
+        fluid.advance(1, 2)
+        fluid.advance(2, 3)
+        above[name] = fluid.state.density.numpy()[..., 15:].sum()
+    assert above["stopped"] < 0.5 * above["free"]
+
+
+def test_a_shadow_goes_on_after_a_stop(blobs, device, tmp_path):
+    """It is stored with the state."""
+    fluid, run = animator(blobs, device, things=SLAB), Run(tmp_path)
+    fluid.advance(1, 2)
+    save_state(run, 2, fluid.state, [])
+    other = animator(blobs, device, things=SLAB)
+    assert load_state(run, other.state, []) == 2
+    np.testing.assert_array_equal(other.state.shadow.numpy(), fluid.state.shadow.numpy())

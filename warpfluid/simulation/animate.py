@@ -28,6 +28,7 @@ from warpfluid.simulation.guidance import Footage, Motion, follow, on_faces, sha
 from warpfluid.simulation.physics import Physics
 from warpfluid.simulation.placing import Placing
 from warpfluid.simulation.scenery import Scenery
+from warpfluid.simulation.shadow import advance_shadow, shaded
 from warpfluid.simulation.solids import clear
 from warpfluid.simulation.solver import Solver, Surroundings
 from warpfluid.simulation.state import Faces, FluidState, six_sides
@@ -102,9 +103,11 @@ class Animator:
         gravity = -float(self.placing.vector(options.gravity, frame)[1])
         self.scenery.move(self.state, seconds, gravity=gravity)
         if then and options.order == "step-first":
+            self._cast_shadow(around, seconds, frame)
             self._correct(self._wanted(then, around.motion, seconds, frame), frame)
         if then:
-            self.footage.balance(self.state.density, then, power=self.animation.fidelity(frame))
+            shown = shaded(then, self.state.shadow) if self.state.shadow else then
+            self.footage.balance(self.state.density, shown, power=self.animation.fidelity(frame))
             if around.solids:
                 clear(self.state.density, around.solids)
             self._keep_total(then)
@@ -125,6 +128,9 @@ class Animator:
                 wp.copy(state.fuel, volume)
         later = self.frames[1] if len(self.frames) > 1 else frame
         seconds = (later - frame) / self.animation.options.fps
+        solids = self.scenery.solids(frame, later, seconds)
+        for field in (state.density, state.temperature, state.fuel) if solids else ():
+            clear(field, solids)
         omega = self._omega(frame, seconds, volume, self._volume(later) if seconds else None)
         for part, target in zip(state.velocity, omega or (), strict=bool(omega)):
             wp.copy(part, target)
@@ -170,11 +176,18 @@ class Animator:
     def _wanted(self, volume: wp.array, motion: Motion | None, seconds: float, frame: float) -> wp.array:
         """Return the volume that the fluid is drawn to: the source's, moved to where edits have carried it."""
         keep = 1.0 - self.animation.fidelity(frame)
-        if not (motion and keep > 0):
-            return volume
         state, sides = self.state, self.solver.sides
-        state.away = advance_displacement(state.away, state.velocity, motion.target, sides, seconds, keep=keep)
-        return displaced(volume, state.away)
+        if motion and keep > 0:
+            state.away = advance_displacement(state.away, state.velocity, motion.target, sides, seconds, keep=keep)
+            volume = displaced(volume, state.away)
+        return shaded(volume, state.shadow) if state.shadow else volume
+
+    def _cast_shadow(self, around: Surroundings, seconds: float, frame: float) -> None:
+        """Let what stands in the way keep the footage from what lies behind it."""
+        keep, state = 1.0 - self.animation.fidelity(frame), self.state
+        if around.motion and keep > 0:
+            target, sides = around.motion.target, self.solver.sides
+            state.shadow = advance_shadow(state.shadow, target, around.solids, sides, seconds, keep=keep)
 
     def _correct(self, volume: wp.array, frame: float) -> None:
         """Move density, heat and fuel towards a volume."""

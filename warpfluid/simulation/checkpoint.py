@@ -26,6 +26,8 @@ def save_state(
     arrays |= {"frame": np.array(frame), "clock": np.array([state.seconds, state.phase], np.float64)}
     if state.away:
         arrays |= {f"away_{name}": part.numpy() for name, part in zip("xzy", state.away, strict=True)}
+    if state.shadow:
+        arrays["shadow"] = state.shadow.numpy()
     for number, body in enumerate(bodies):
         arrays |= {f"body{number}_{name}": value for name, value in body.state().items()}
     if detail:
@@ -62,6 +64,7 @@ def load_state(run: Run, state: FluidState, bodies: Sequence[RigidBody], detail:
         moved = [{name: found[f"body{n}_{name}"] for name in body.state()} for n, body in enumerate(bodies)]
         patterns = {name: found[f"detail_{name}"] for name in detail.state()} if detail else {}
         away = [found[f"away_{name}"] for name in "xzy"] if "away_x" in found else []
+        shadow = found.get("shadow")
         seconds, phase = map(float, found["clock"])
         frame = int(found["frame"])
     except DAMAGE:
@@ -71,6 +74,7 @@ def load_state(run: Run, state: FluidState, bodies: Sequence[RigidBody], detail:
     state.velocity = Faces(*(wp.array(values, dtype=float, device=device) for values in faces))
     state.seconds, state.phase = seconds, phase
     state.away = tuple(wp.array(values, dtype=float, device=device) for values in away) or None
+    state.shadow = None if shadow is None else wp.array(shadow, dtype=float, device=device)
     if detail:
         detail.restore(patterns)
     for body, values in zip(bodies, moved, strict=True):

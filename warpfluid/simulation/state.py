@@ -70,6 +70,7 @@ class FluidState:
         phase: How far the pattern of the turbulence has moved on.
         seconds: Time since the start.
         away: How far edits have carried matter (``displacement.py``) [voxel].
+        shadow: Share of the footage's matter that obstacles keep out (``shadow.py``), shape (x, z, y).
     """
 
     velocity: Faces
@@ -80,6 +81,7 @@ class FluidState:
     seconds: float = 0.0
     phase: float = 0.0
     away: tuple[wp.array, wp.array, wp.array] | None = None
+    shadow: wp.array | None = None
 
 
 def face_shape(shape: tuple[int, int, int], axis: int) -> tuple[int, int, int]:
