@@ -10,10 +10,11 @@ from tiny import BARE, flame, footage, quick, run
 
 from warpfluid.files.npz import write_npz
 from warpfluid.options import BodyOptions, EmitterOptions, ForceOptions, Scene, SimulateOptions
-from warpfluid.report.course import warnings
+from warpfluid.report.course import departure, warnings
 from warpfluid.report.fields import field_pictures, speed_of
 from warpfluid.report.scene import body_rows, scene_rows
 from warpfluid.run import Run
+from warpfluid.settings import SimulateSettings
 from warpfluid.volumes import open_volumes
 
 PLAIN = ("--no-turntable", "--device", "cpu", "-q")
@@ -70,7 +71,7 @@ def test_a_run_that_follows_footage(tmp_path, fire):
     assert "flow" not in changed
     assert "no number is marked as the best" in text
     assert 'class="number best"' not in text
-    assert re.search(r"At frame 3, \d+% of the light is elsewhere than in the source; fidelity is 0.3: less lets", text)
+    assert re.search(r"At frame 3, \d+% of the light is elsewhere .*; for more of the edit: --fidelity 0\.05;", text)
     assert set(Page(text).images()) >= {"input at 0°", "input at 90°", "turntable of the result"}
 
 
@@ -156,3 +157,22 @@ def test_fluids_that_are_too_fast_are_told():
     assert "--max-substeps" in told
     assert warnings(records, SimulateOptions(substeps=8)) == []
     assert warnings(records, SimulateOptions(max_substeps=16)) == []
+
+
+@pytest.mark.parametrize(
+    ("fidelity", "ways"),
+    [
+        (None, "0.3; for more of the edit: --fidelity 0.05; for more of the footage: --fidelity 1."),
+        (0.1, "0.1; for more of the edit: --fidelity 0.05; for more of the footage: --fidelity 0.3."),
+        (0.05, "0.05; for more of the edit: --fidelity 0; for more of the footage: --fidelity 0.3."),
+        (0.0, "0; for more of the footage: --fidelity 0.05."),
+        (1.0, "1; for more of the edit: --fidelity 0.3."),
+    ],
+)
+def test_a_note_names_what_to_type(fidelity, ways):
+    """The next step either way, and none where there is no farther one."""
+    settings = SimulateSettings(
+        source="fire", size=None, simulate=SimulateOptions(swirl=2.0, fidelity=fidelity), scene=Scene(), output=None
+    )
+    (note,) = departure({1: {"elsewhere": 0.0}, 2: {"elsewhere": 0.25}}, settings)
+    assert note == f"At frame 2, 25% of the light is elsewhere than in the source; fidelity is {ways}"

@@ -5,8 +5,9 @@ import pytest
 import warp as wp
 
 from warpfluid.kernels.forces.swirl import add_swirl
-from warpfluid.options import ForceOptions, SimulateOptions
-from warpfluid.simulation.animation import Animation
+from warpfluid.options import THINGS, ForceOptions, Scene, SimulateOptions
+from warpfluid.options.scene import parse_thing
+from warpfluid.simulation.animation import Animation, fidelity_at
 from warpfluid.simulation.fields import mark_fluid, number_or_field
 from warpfluid.simulation.forces import SWIRL_UNITS, add_forces, place_force
 from warpfluid.simulation.guidance import follow
@@ -110,6 +111,27 @@ def test_keyed_fidelity_hits_its_keys():
     options = SimulateOptions(fidelity="1:1;5:0")
     animation = Animation(source=None, options=options, scene=None, output=None, device=None)
     assert [animation.fidelity(frame) for frame in (1, 3, 5)] == [1, 0.5, 0]
+
+
+@pytest.mark.parametrize(
+    ("options", "things", "expected"),
+    [
+        ({}, {}, 1),
+        ({"resolution_scale": 0.5}, {}, 1),
+        ({"turbulence_strength": 0.5}, {}, 0.3),
+        ({}, {"emitter": "sphere"}, 0.3),
+        ({}, {"body": "box obstacle=false"}, 1),
+        ({}, {"body": "box"}, 0.1),
+        ({"wind": "2,0,0"}, {}, 0.1),
+        ({"turbulence_strength": 0.5}, {"obstacle": "box"}, 0.1),
+        ({}, {"force": "vortex"}, 0.1),
+        ({"fidelity": 0.7}, {"obstacle": "box"}, 0.7),
+    ],
+)
+def test_how_far_the_footage_gives_way(options, things, expected):
+    """Not without an edit, most where matter is carried elsewhere or stopped; what is asked for counts."""
+    scene = {kind: (parse_thing(kind, things[kind]),) if kind in things else () for kind in THINGS}
+    assert fidelity_at(SimulateOptions(**options), Scene(**scene), 1) == expected
 
 
 def blown(kind, device, sides="open", **choices):

@@ -11,6 +11,7 @@ from warpfluid.simulation.source import Source
 from warpfluid.volumes import VolumeSequence
 
 OURS, SOURCE = "simulated", "source"
+FIDELITIES = (1.0, 0.3, 0.05, 0.0)  # from the footage alone to the edit alone, in steps that are seen
 MANY = 0.2  # share of the frames that is worth a warning
 
 
@@ -64,8 +65,17 @@ def departure(records: Mapping[int, dict], settings: SimulateSettings) -> list[s
     fidelity = fidelity_at(settings.simulate, settings.scene, last)
     return [
         f"At frame {last}, {followed[last]:.0%} of the light is elsewhere than in the source; "
-        f"fidelity is {fidelity:g}: less lets the edit go farther, more keeps to the footage."
+        f"fidelity is {fidelity:g}{_ways(fidelity)}."
     ]
+
+
+def _ways(fidelity: float) -> str:
+    """Return what to type for more or less of an edit."""
+    less = next((lower for lower in FIDELITIES if lower < fidelity), None)
+    more = next((higher for higher in reversed(FIDELITIES) if higher > fidelity), None)
+    ways = [f"for more of the edit: --fidelity {less:g}"] if less is not None else []
+    ways += [f"for more of the footage: --fidelity {more:g}"] if more is not None else []
+    return "; " + "; ".join(ways)
 
 
 def warnings(records: Mapping[int, dict], options: SimulateOptions) -> list[str]:
