@@ -107,7 +107,9 @@ def test_two_files_of_one_frame(tmp_path):
 def test_nothing_there(tmp_path, name):
     """The message says what is taken."""
     (tmp_path / "empty").mkdir()
-    with pytest.raises(ValueError, match=r"(has no volumes|does not exist): name a run, or a folder, pattern or file of \.vdb, "):
+    with pytest.raises(
+        ValueError, match=r"(has no volumes|does not exist): name a run, or a folder, pattern or file of \.vdb, "
+    ):
         fill_box(open_volumes(str(tmp_path / name)))
 
 
