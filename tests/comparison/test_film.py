@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from PIL import Image, ImageDraw
 from plumes import HEIGHT, WIDTH, blurred, entries, plume, write
+from tiny import BARE, run
 
 from warpfluid.comparison import film
 from warpfluid.comparison.film import film_pictures, fitted, lettered, write_film, write_sheet
@@ -71,6 +72,25 @@ def test_sheet(tmp_path, two):
     still = render_turntable(two[1].volume(1), [45], "fire")[0]
     shown = sheet[top + 30 : top + 2 * HEIGHT, 2 * WIDTH + GAP : 4 * WIDTH + GAP]
     np.testing.assert_array_equal(shown, still[30:])
+
+
+def test_what_stands_in_a_simulation_is_drawn(tmp_path):
+    """In the sheet and in the film, as its own turntable has it, and not as a hole."""
+    folder = tmp_path / "run"
+    box = ("--size", "16x24", "--emitter", "sphere center=0,2,0 radius=1.5 density=8", "--frames", "1-2", "-q")
+    post = ("--obstacle", "box center=2,2,0 size=2,2,2", "--body", "box center=-2,3,0 size=2,2,2 weight=2")
+    assert run("simulate", *box, *post, *BARE, "--device", "cpu", "-o", folder) == 0
+    (entry,) = entries(str(folder))
+    assert len(entry.surfaces(2)) == 2
+    with_them = render_turntable(entry.volume(2), [30], "fire", surfaces=entry.surfaces(2))[0]
+    bare = render_turntable(entry.volume(2), [30], "fire")[0]
+    (film,) = list(film_pictures([entry], [2], "fire", 30.0, 360.0))
+    write_sheet(tmp_path / "sheet.png", [entry], [2], [30], look="fire")
+    with Image.open(tmp_path / "sheet.png") as picture:
+        sheet = np.asarray(picture)
+    for shown in (film, sheet):
+        np.testing.assert_array_equal(shown[30 : len(bare)], with_them[30:])
+        assert np.abs(shown[30 : len(bare)].astype(int) - bare[30:]).max() > 60
 
 
 def test_names_fit():

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +10,12 @@ import numpy as np
 from warpfluid.errors import Problems
 from warpfluid.files.sequences import format_frames
 from warpfluid.footage.origin import find_origin
+from warpfluid.rendering.surfaces import Surface
+from warpfluid.report.film import surfaces_in
+from warpfluid.run import Run
 from warpfluid.settings import make_simulate_settings
 from warpfluid.simulation.animation import is_edited
+from warpfluid.simulation.outlines import Outlines
 from warpfluid.volumes import VolumeSequence, squared
 
 
@@ -59,6 +64,19 @@ class Entry:
                 f"{self.volumes.files[frame]}: the volume has another size than frame {self.volumes.frames[0]}"
             )
         return volume
+
+    def surfaces(self, frame: int) -> list[Surface]:
+        """Return the bodies and obstacles of a frame; only a simulation has any.
+
+        Raises:
+            ValueError: If what the run says of them is damaged.
+            OSError: If it cannot be read.
+        """
+        return surfaces_in(self._outlines, frame, self.shape) if self._outlines else []
+
+    @cached_property
+    def _outlines(self) -> Outlines | None:
+        return Outlines(Run(Path(self.volumes.name).expanduser())) if self.volumes.document else None
 
     def total(self, frames: Sequence[int]) -> float:
         """Return the density of some frames together."""

@@ -82,7 +82,7 @@ def write_sheet(
     shown = [frames[place] for place in np.unique(middles.astype(int))]
     rows = []
     for entry in entries:
-        stills = [picture for frame in shown for picture in render_turntable(entry.volume(frame), angles_deg, look)]
+        stills = [picture for frame in shown for picture in _pictures(entry, frame, angles_deg, look)]
         rows.append(named(in_a_row(stills), entry.name))
     labels = [f"frame {frame}   {angle:.0f}°" for frame in shown for angle in angles_deg]
     rows[-1] = lettered(rows[-1], labels)
@@ -135,6 +135,11 @@ def fitted(draw, text: str, width: float, size: int = NAME) -> str:
     return text[:1]
 
 
+def _pictures(entry: Entry, frame: int, angles_deg: Sequence[float], look: str) -> np.ndarray:
+    """Return a frame from some angles, with what stands in it."""
+    return render_turntable(entry.volume(frame), angles_deg, look, surfaces=entry.surfaces(frame))
+
+
 def _turning(entry: Entry, frames: Sequence[int], angles_deg: np.ndarray, look: str) -> list[np.ndarray]:
     """Return the pictures of one entry; every volume is read once."""
     film: list[np.ndarray] = [np.empty(0)] * len(angles_deg)
@@ -142,7 +147,7 @@ def _turning(entry: Entry, frames: Sequence[int], angles_deg: np.ndarray, look: 
         places = range(first, len(angles_deg), len(frames))
         angles = [float(angles_deg[place]) for place in places]
         kinds, where = np.unique(angles, return_inverse=True)
-        pictures = render_turntable(entry.volume(frame), kinds, look)
+        pictures = _pictures(entry, frame, kinds, look)
         for place, which in zip(places, where, strict=True):
             film[place] = pictures[which]
     return film
