@@ -52,11 +52,33 @@ def test_choices_count(volumes):
 
 
 def test_the_still_picture_is_the_turntable(footage_run):
-    """At the first view, or where the camera was put."""
-    density = open_scene(footage_run).volumes.density(12)
-    np.testing.assert_array_equal(open_scene(footage_run).still(), render_turntable(density, [0], "fire")[0])
-    brighter = open_scene(footage_run, PreviewOptions(angle=30, exposure=1)).still()
-    np.testing.assert_array_equal(brighter, render_turntable(2 * density, [30], "fire")[0])
+    """At the first view, or where the camera was put, as large as fits: a box of 24 x 20 fills the height."""
+    scene = open_scene(footage_run)
+    density = scene.volumes.density(scene.brightest())
+    for choices, angle, factor in (({}, 0, 1), ({"angle": 30, "exposure": 1}, 30, 2)):
+        still = open_scene(footage_run, PreviewOptions(**choices)).still((300, 160))
+        assert still.shape == (160, 300, 3)
+        turned = render_turntable(factor * density, [angle], "fire", lines=160)[0]
+        assert turned.shape == (160, 192, 3)
+        np.testing.assert_array_equal(still[:, 54:246], turned)
+        assert not still[:, :54].any()
+        assert not still[:, 246:].any()
+
+
+def test_the_still_picture_has_the_size_that_was_asked_for(footage_run):
+    """Wide or narrow, larger than eight pixels a voxel or smaller than one."""
+    for width, height in ((1280, 800), (64, 400), (16, 16)):
+        still = open_scene(footage_run, PreviewOptions(look="jet")).still((width, height))
+        assert still.shape == (height, width, 3)
+        np.testing.assert_array_equal(still[0, 0], (0, 0, 128))
+        assert still[..., 1].max() > 100
+
+
+def test_the_brightest_frame_stands_for_all(tmp_path):
+    """Not an early one, nor one that has burnt out."""
+    for frame, light in enumerate([1, 2, 3, 9, 2, 1, 1, 1], start=1):
+        write_npz(tmp_path / f"a.{frame}.npz", np.full((4, 5, 4), light, np.float32))
+    assert open_scene(tmp_path).brightest() == 4
 
 
 def test_footage_is_found(footage_run, solid_run, tmp_path):
@@ -114,7 +136,7 @@ def test_where_no_window_opens_there_is_a_still_picture(footage_run, tmp_path, m
     assert "--html" in printed.err
     assert ("libegl1" in printed.err) == (draws == "nothing")
     picture = np.rint(read_image(tmp_path / "preview.png") * 255)
-    np.testing.assert_array_equal(picture, open_scene(footage_run).still())
+    np.testing.assert_array_equal(picture, open_scene(footage_run).still((1280, 800)))
 
 
 def test_without_a_library_the_screenshot_is_the_still_picture(footage_run, tmp_path, monkeypatch, capsys):
@@ -122,7 +144,9 @@ def test_without_a_library_the_screenshot_is_the_still_picture(footage_run, tmp_
     monkeypatch.setattr(show, "drawing", lambda: "nothing")
     assert run("preview", footage_run, "--screenshot", tmp_path / "a.png", "--json") == 0
     assert json.loads(capsys.readouterr().out)["picture"] == {"file": str(tmp_path / "a.png"), "drawn": "still"}
-    np.testing.assert_array_equal(np.rint(read_image(tmp_path / "a.png") * 255), open_scene(footage_run).still())
+    np.testing.assert_array_equal(
+        np.rint(read_image(tmp_path / "a.png") * 255), open_scene(footage_run).still((1280, 800))
+    )
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,7 @@ from warpfluid.volumes import VolumeSequence, open_volumes, squared
 
 USUAL_RATE = 24.0  # frames a second where nothing says another
 USUAL_LOOK = "fire"
+TRIED = 8  # frames all along a sequence, of which the brightest becomes the still picture
 SOLID_COLOURS = {"body": "#d9a066", "obstacle": "#8a93a6"}
 
 
@@ -54,12 +55,27 @@ class Scene:
         """The frame that stands for all where only one can be shown."""
         return self.frames[len(self.frames) // 2]
 
-    def still(self) -> np.ndarray:
-        """Draw the middle frame without a graphics library, level with the floor, uint8, shape (rows, columns, 3)."""
-        density = squared(self.volumes.density(self.middle))
-        surfaces = [Surface(solid.vertices, solid.triangles) for solid in self.solids(self.middle, density.shape)]
-        white = 255 / 2**self.exposure
-        return render_turntable(density, [self.angle_deg], self.look, white=white, surfaces=surfaces)[0]
+    def brightest(self) -> int:
+        """Return which of a few frames all along the sequence holds the most; the middle one of equals."""
+        places = np.linspace(0, len(self.frames) - 1, TRIED).round().astype(int)
+        few = dict.fromkeys([self.middle, *(self.frames[place] for place in places)])
+        return max(few, key=lambda frame: float(self.volumes.density(frame).sum(dtype=np.float64)))
+
+    def still(self, size: tuple[int, int] | None = None) -> np.ndarray:
+        """Draw the brightest frame without a graphics library, level with the floor.
+
+        Args:
+            size: Width and height [pixel]; what the box leaves of it shows nothing. By default those of the box.
+
+        Returns:
+            The picture, uint8, shape (rows, columns, 3).
+        """
+        frame = self.brightest()
+        density = squared(self.volumes.density(frame))
+        surfaces = [Surface(solid.vertices, solid.triangles) for solid in self.solids(frame, density.shape)]
+        facts = {"white": 255 / 2**self.exposure, "surfaces": surfaces, "lines": size[1] if size else 0}
+        picture = render_turntable(density, [self.angle_deg], self.look, **facts)[0]
+        return letterboxed(picture, size, RAMPS[self.look][0]) if size else picture
 
     def solids(self, frame: int, shape: Sequence[int]) -> list[Outline]:
         """Return the bodies and obstacles of a frame; volumes of another program have none.
@@ -120,6 +136,25 @@ def open_scene(source: str | Path, options: PreviewOptions | None = None) -> Sce
         elevation_deg=options.elevation,
         exposure=options.exposure,
     )
+
+
+def letterboxed(picture: np.ndarray, size: tuple[int, int], around: Sequence[int]) -> np.ndarray:
+    """Return a picture as large as fits into a size, in the middle of it.
+
+    Args:
+        picture: uint8, shape (rows, columns, 3).
+        size: Width and height [pixel].
+        around: Colour of what it does not cover.
+    """
+    from PIL import Image
+
+    rows, columns = picture.shape[:2]
+    factor = min(size[0] / columns, size[1] / rows)
+    width, height = max(round(columns * factor), 1), max(round(rows * factor), 1)
+    canvas = Image.new("RGB", size, tuple(int(part) for part in around))
+    fitting = Image.fromarray(picture).resize((width, height), Image.Resampling.BICUBIC)
+    canvas.paste(fitting, ((size[0] - width) // 2, (size[1] - height) // 2))
+    return np.asarray(canvas)
 
 
 def _means(run: Run, frames: Sequence[int]) -> dict[str, str]:

@@ -65,7 +65,7 @@ def _write_picture(path: Path, scene: Scene, options: PreviewOptions, log: Progr
 
     if drawing() == "nothing":
         log.line(f"picture of the volume alone: there is no OpenGL library; {INSTALL}")
-        return _write_still(path, scene)
+        return _write_still(path, scene, options)
     import pyvista
 
     with pyvista.vtk_verbosity("off"):  # it warns where there is no screen
@@ -85,9 +85,9 @@ def _open_window(scene: Scene, options: PreviewOptions, log: Progress) -> dict:
         return {"window": True}
     reason = "there is no screen" if state == "memory" else f"there is no OpenGL library ({INSTALL})"
     log.line(f"no window: {reason}; --html FILE plays the volumes in any browser. A still picture is in {STILL}")
-    return {"window": False, "picture": _write_still(STILL, scene)}
+    return {"window": False, "picture": _write_still(STILL, scene, options)}
 
 
-def _write_still(path: Path, scene: Scene) -> dict:
-    write_png(path, scene.still())
+def _write_still(path: Path, scene: Scene, options: PreviewOptions) -> dict:
+    write_png(path, scene.still(options.window_size))
     return {"file": str(path), "drawn": "still"}
