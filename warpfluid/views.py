@@ -96,7 +96,7 @@ def angle_problems(angles_deg: Sequence[float]) -> list[str]:
     problems = [f"angle {angle} is not a finite number of degrees" for angle in angles_deg if not np.isfinite(angle)]
     finite = [angle for angle in angles_deg if np.isfinite(angle)]
     for second, b in enumerate(finite):
-        for a in finite[:second]:
+        for a in dict.fromkeys(finite[:second]):  # of two that are the same one is enough
             apart = abs(a - b) % 360.0
             if min(apart, 360.0 - apart) < SAME_ANGLE_DEG:
                 problems.append(f"angles {a:g} and {b:g} are the same: give each view its own angle, in degrees")

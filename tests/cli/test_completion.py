@@ -6,6 +6,7 @@ import pty
 import select
 import shutil
 import subprocess
+import sys
 import time
 
 import pytest
@@ -128,3 +129,11 @@ def test_the_command(capsys):
     assert json.loads(capsys.readouterr().out) == {"shell": "zsh", "script": make_script("zsh")}
     assert run("completion", "tcsh") == 2
     assert '"bash", "zsh", "fish"' in capsys.readouterr().err
+
+
+def test_a_reader_that_stops():
+    """`warpfluid completion bash | head -5` is no error, however little is printed."""
+    command = f"{sys.executable} -m warpfluid completion bash | head -5"
+    done = subprocess.run(command, shell=True, capture_output=True, text=True, check=True)
+    assert len(done.stdout.splitlines()) == 5
+    assert done.stderr == ""

@@ -1,7 +1,7 @@
 """Everything that is wrong is told at once, whatever kind of mistake it is."""
 
 import pytest
-from tiny import run
+from tiny import flame, footage, pair, run
 
 FRONT = ["--front", "gone.mp4"]
 
@@ -92,7 +92,10 @@ def refused(tmp_path, monkeypatch, capsys):
                 "gone does not exist",
             ],
         ),
-        (["compare", "gone", "--fps", "0", "--truth", "lost"], ["fps is 0", "gone does not exist", "lost does not exist"]),
+        (
+            ["compare", "gone", "--fps", "0", "--truth", "lost"],
+            ["fps is 0", "gone does not exist", "lost does not exist"],
+        ),
         (
             ["export", "gone", "--half", "--format", "vti", "--fps", "0"],
             ["half is for", "fps is 0", "gone does not exist", "no folder is given"],
@@ -134,3 +137,41 @@ def test_a_file_the_environment_and_flags(refused, tmp_path_factory, monkeypatch
     ):
         assert sum(words in line for line in lines) == 1
     assert len(lines) == 5
+
+
+def test_a_device_that_inspect_would_not_use(refused, tmp_path_factory, monkeypatch):
+    """It is refused before a run refuses it, by a flag as by the environment."""
+    front = pair(tmp_path_factory.mktemp("elsewhere"))[1]
+    monkeypatch.setenv("WARPFLUID_DEVICE", "cuda:99")
+    (line,) = refused("inspect", "--front", front)
+    assert "there is no device 'cuda:99' (WARPFLUID_DEVICE)" in line
+
+
+def test_footage_that_is_spelt_alike(refused, tmp_path_factory):
+    """It is proposed; else what there is."""
+    folder = tmp_path_factory.mktemp("elsewhere")
+    for name in ("clip.mp4", "notes.txt"):
+        (folder / name).touch()
+    (line,) = refused("inspect", "--front", str(folder / "clp.mp4"))
+    assert line == f"view 0: {folder / 'clp.mp4'} does not exist: did you mean clip.mp4?"
+    (line,) = refused("inspect", "--front", str(folder / "something-else.mov"))
+    assert line.endswith(f"does not exist: {folder} has clip.mp4")
+    (line,) = refused("inspect", "--front", str(folder / "nowhere" / "a.mp4"))
+    assert line.endswith(f"does not exist: there is no folder {folder / 'nowhere'}")
+
+
+def test_an_angle_that_is_there_twice(refused, tmp_path_factory):
+    """What follows from it is not said: neither other pairs, nor sizes and frames of what does not belong together."""
+    folder = tmp_path_factory.mktemp("elsewhere")
+    front, side = pair(folder)[1], footage(folder / "large", range(7, 9), lambda frame, _: flame(frame, 0, 30, 30))
+    same = "angles 0 and 0 are the same: give each view its own angle, in degrees"
+    assert refused("reconstruct", "--front", front, "--view", f"0={side}", "-o", "out") == [same]
+    lines = refused("reconstruct", *(f"--view={angle}={front}" for angle in (0, 0, 180)), "-o", "out")
+    assert lines[0] == same
+    assert ["180 degrees apart" in line for line in lines] == [False, True]
+
+
+def test_a_key_without_quotes(refused):
+    """The shell ends the command at the semicolon, so that -o is not seen: the refusal says so."""
+    (line,) = refused("simulate", "--preset", "explosion", "--wind", "2")
+    assert line == "no folder is given for the run: add -o FOLDER; a ; before it needs quotes, '1:0;48:90'"

@@ -48,7 +48,9 @@ def main(arguments: list[str] | None = None) -> int:
         command, bound, _ = app.parse_args(arguments, exit_on_error=False, print_error=False)
         if verbose and not getattr(bound.arguments.get("common"), "quiet", True):
             print(_versions(), file=sys.stderr)
-        return command(*bound.args, **bound.kwargs) or 0
+        code = command(*bound.args, **bound.kwargs) or 0
+        sys.stdout.flush()  # here a reader that is gone can still be told from a fault
+        return code
     except KeyboardInterrupt as stop:
         print(str(stop) or "stopped", file=sys.stderr)
         return 130

@@ -107,7 +107,7 @@ def check_run(out: Path | None, *, resume: bool, overwrite: bool) -> None:
     from warpfluid.run import Run
 
     if out is None:
-        raise ValueError("no folder is given for the run: add -o FOLDER")
+        raise ValueError("no folder is given for the run: add -o FOLDER; a ; before it needs quotes, '1:0;48:90'")
     Run(out).check_free(resume=resume, overwrite=overwrite)
 
 

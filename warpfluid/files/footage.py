@@ -1,6 +1,6 @@
 """Footage: a video or an image sequence, read by frame number."""
 
-import errno
+import difflib
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,6 +11,8 @@ import numpy as np
 from warpfluid.files.images import IMAGE_SUFFIXES, Depth, decode_image
 from warpfluid.files.sequences import find_sequence, format_frames
 from warpfluid.files.video import VIDEO_SUFFIXES, Video
+
+MOST_NAMES = 5  # of what there is in place of what is not
 
 
 @dataclass(frozen=True)
@@ -95,14 +97,32 @@ def open_footage(source: str | Path, *, first_frame: int = 1) -> Footage:
     """
     path = Path(os.path.expanduser(source))
     suffix = path.suffix.lower()
-    if not suffix and not path.exists():
-        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(source))
+    if not path.exists() and (not suffix or suffix in VIDEO_SUFFIXES):
+        raise FileNotFoundError(f"{source} does not exist: {_nearest_names(path)}")
     if not path.is_dir() and suffix not in IMAGE_SUFFIXES + VIDEO_SUFFIXES:
         known = f"images ({' '.join(IMAGE_SUFFIXES)}), videos ({' '.join(VIDEO_SUFFIXES)})"
         raise ValueError(f"{source} is neither a folder nor of a known kind: {known}")
     if not path.is_dir() and suffix in VIDEO_SUFFIXES:
         return _open_video(path, str(source), first_frame)
     return _open_images(find_sequence(source), str(source))
+
+
+def _nearest_names(path: Path) -> str:
+    """Say what there is in place of footage that there is not: first what is spelt alike."""
+    if not path.parent.is_dir():
+        return f"there is no folder {path.parent}"
+    known = IMAGE_SUFFIXES + VIDEO_SUFFIXES
+    there = sorted(
+        file.name
+        for file in path.parent.iterdir()
+        if not file.name.startswith(".") and (file.is_dir() or file.suffix.lower() in known)
+    )
+    alike = difflib.get_close_matches(path.name, there, 3)
+    if alike:
+        return f"did you mean {' or '.join(alike)}?"
+    more = f" and {len(there) - MOST_NAMES} more" if len(there) > MOST_NAMES else ""
+    where = "this folder" if path.parent == Path() else path.parent
+    return f"{where} has {', '.join(there[:MOST_NAMES])}{more}" if there else "check its name"
 
 
 def _open_video(path: Path, source: str, first_frame: int) -> Footage:

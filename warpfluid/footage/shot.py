@@ -154,7 +154,8 @@ def open_shot(
         problems.raise_if_any()
     sources = _align_by_hand(start_together(sources, notes), options, problems)
     sizes = [problems.attempt(image_size, source, options, notes) for source in sources]
-    if None not in sizes and len(set(sizes)) > 1:
+    alone = len({source.angle_deg for source in sources}) == len(sources)  # or one clip was named by mistake
+    if alone and None not in sizes and len(set(sizes)) > 1:
         found = ", ".join(f"{s.name} {w} x {h}" for s, (w, h) in zip(sources, sizes, strict=True))
         problems.append(f"the views have unlike sizes ({found}): make them equal with --resolution or --crop")
     found = ()
@@ -162,7 +163,8 @@ def open_shot(
         from warpfluid.footage.aligning import align_views
 
         sources, found, options = align_views(sources, options, sizes[0], asked, shoulder, notes)
-    frames = common_frames(sources, asked, problems, notes) if all(source.frames for source in sources) else ()
+    paired = alone and all(source.frames for source in sources)
+    frames = common_frames(sources, asked, problems, notes) if paired else ()
     sources = _keeping(sources, frames) if keep else sources
     for source in sources:
         # a damaged picture must not come up in the middle of a long run
