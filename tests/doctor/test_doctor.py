@@ -5,11 +5,12 @@ import json
 import re
 
 import pytest
+import warp
 from tiny import run
 
 from warpfluid import __version__
 from warpfluid.cli import app
-from warpfluid.doctor import examining, farm, windows
+from warpfluid.doctor import examining, farm, lines, windows
 
 
 def test_report(capsys):
@@ -65,6 +66,19 @@ def test_what_cannot_work(monkeypatch, capsys, as_json):
     else:
         assert "warpfluid-lacks-this MISSING: install warpfluid again" in text
         assert "problem      cpu: out of luck" in text
+
+
+def test_kernels_that_are_being_compiled(monkeypatch, tmp_path):
+    """Folders without anything compiled in them are no compiled kernels."""
+    found, folder = examining.examine("cpu"), tmp_path / "wp_warpfluid.kernels.x"
+    monkeypatch.setattr(warp.config, "kernel_cache_dir", str(tmp_path))
+    expected = {None: "compiled at the first run", "x.cpp": "being compiled by a command", "x.cpu1.o": "compiled, 0 MB"}
+    for name, said in expected.items():
+        if name:
+            folder.mkdir(exist_ok=True)
+            (folder / name).write_text("")
+        report = lines(found | {"kernels": examining._kernel_cache()})
+        assert f": {said}" in next(line for line in report if line.startswith("kernels"))
 
 
 def test_a_device_that_is_not_there(capsys):

@@ -16,6 +16,7 @@ from warpfluid.errors import describe
 PACKAGES = ("warp-lang", "numpy", "scipy", "scikit-image", "OpenEXR", "av", "pyvista", "cyclopts", "rich")
 READS = ("h264", "hevc", "prores", "vp9", "av1", "dnxhd", "mjpeg")
 WRITES = "libx264"
+COMPILED = (".o", ".ptx", ".cubin")  # what Warp makes of kernels
 BINDINGS = ("openvdb", "pyopenvdb")  # of OpenVDB, as different builds call them
 
 
@@ -109,7 +110,9 @@ def _kernel_cache() -> dict:
     folder = Path(wp.config.kernel_cache_dir)
     lasting = os.access(folder, os.W_OK) and Path(tempfile.gettempdir()) not in folder.parents
     size = sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
-    return {"folder": str(folder), "warm": any(folder.glob("wp_warpfluid*")), "lasting": lasting, "bytes": size}
+    warm = any(file.is_file() and file.suffix in COMPILED for file in folder.glob("wp_warpfluid*/*"))
+    begun = not warm and any(folder.glob("wp_warpfluid*"))
+    return {"folder": str(folder), "warm": warm, "begun": begun, "lasting": lasting, "bytes": size}
 
 
 def _has_codec(name: str, mode: str) -> bool:

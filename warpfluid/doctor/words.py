@@ -35,7 +35,12 @@ def _disk(disk: dict) -> str:
 
 
 def _kernels(cache: dict) -> str:
-    state = f"compiled, {cache['bytes'] / 1e6:.0f} MB" if cache["warm"] else "compiled at the first run, about a minute"
+    if cache["warm"]:
+        state = f"compiled, {cache['bytes'] / 1e6:.0f} MB"
+    elif cache["begun"]:
+        state = "being compiled by a command that runs now, or half done by one that was stopped"
+    else:
+        state = "compiled at the first run, about a minute"
     kept = "" if cache["lasting"] else "; NOT KEPT: set WARPFLUID_CACHE to a folder that can be written"
     return f"kernels      {cache['folder']}: {state}{kept}"
 
