@@ -219,3 +219,60 @@ def test_an_empty_box_is_told_by_its_size(tmp_path):
     assert told["made_of"] == "an empty box of 12 x 16"
     go_on = f"warpfluid simulate -o {tmp_path / 'box'} --resume"
     assert told["warnings"] == [f"1 of 2 frames, not finished, without 2: {go_on}"]
+
+
+def test_texts_beside_volumes(tmp_path, capsys):
+    """Settings, reports and records are told in a line each; damaged ones are refused."""
+    out = tmp_path / "run"
+    assert run("reconstruct", *quick(*pair(tmp_path), "--no-turntable"), "-o", out, "-q") == 0
+    (tmp_path / "mine.toml").write_text("[render]\nglow = 2\n[light]\n")
+    (tmp_path / "list.json").write_text("[1, 2]")
+    names = [*(out / name for name in ("run.toml", "report.html", "frames.jsonl"))]
+    names += [tmp_path / name for name in ("mine.toml", "list.json")]
+    again = f"make it again with reconstruct --config {out / 'run.toml'} -o FOLDER"
+    assert [explain(path)["kind"] for path in names] == [
+        f"settings of a run of reconstruct: {again}",
+        "web page, run: open it in a browser",
+        "records of 3 frames, a line each: name the folder to hear more",
+        "configuration, [render] [light]: give it with --config",
+        "JSON, 2 entries",
+    ]
+    for name in ("a.toml", "a.json"):
+        (tmp_path / name).write_text("[[[")
+        assert run("inspect", tmp_path / name) == 1
+        assert name in capsys.readouterr().err
+
+
+def test_a_folder_of_clips(tmp_path, monkeypatch, capsys):
+    """All clips are named; the picture that inspect left beside them is no footage, and one of others is kept."""
+    monkeypatch.chdir(tmp_path)
+    picture = np.zeros((16, 12, 3), np.uint8)
+    picture[4:8, 4:8] = 200
+    for name in ("a.mp4", "b.mp4"):
+        write_video(tmp_path / name, [picture] * 3, 24.0)
+    assert run("inspect", "--front", "a.mp4") == 0
+    told = explain(tmp_path)
+    assert (told["count"], told["files"]) == (2, ["a.mp4", "b.mp4"])
+    assert f"warpfluid inspect --front {tmp_path / 'a.mp4'} looks at one" in told["kind"]
+    before = (tmp_path / "views.png").read_bytes()
+    assert run("inspect", "--front", "b.mp4") == 0
+    assert (tmp_path / "views.png").exists()
+    write_png(tmp_path / "views.png", picture)
+    foreign = (tmp_path / "views.png").read_bytes()
+    assert foreign != before
+    capsys.readouterr()
+    assert run("inspect", "--front", "b.mp4") == 0
+    way_out = "name another one with --picture"
+    assert f"picture not written: views.png is not of inspect; {way_out}" in capsys.readouterr().err
+    assert (tmp_path / "views.png").read_bytes() == foreign
+    assert explain(tmp_path)["files"] == ["a.mp4", "b.mp4", "and 1 picture"]
+
+
+def test_the_picture_of_inspect_is_no_footage(tmp_path, monkeypatch):
+    """A folder of pictures stays one sequence after inspect looked at it from inside."""
+    front = pair(tmp_path)[1]
+    monkeypatch.chdir(front)
+    for _ in range(2):
+        assert run("inspect", "--front", ".", "-q") == 0
+    told = explain(tmp_path / "front")
+    assert (told["kind"], told["frames"]) == ("folder of pictures, the first a picture", "1-3")

@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+from warpfluid.files.images import is_of_views
 from warpfluid.footage.inspection import inspect_shot, write_views_picture
 from warpfluid.footage.shot import open_shot
 from warpfluid.progress import Progress
@@ -11,11 +12,18 @@ from warpfluid.settings import Settings
 
 def inspect(settings: Settings, picture: Path | None, common) -> int:
     """Show what is understood of footage; return the exit code."""
+    if common.device not in (None, "auto", "cpu"):  # which any machine has
+        from warpfluid.device import pick_device
+
+        pick_device(common.device)
     shot = open_shot(settings.views, settings.input, settings.reconstruct.shoulder or 0.0, keep=True)
     inspection = inspect_shot(shot, settings.reconstruct)
-    if picture:
+    log = Progress(quiet=common.quiet, verbose=common.verbose)
+    if picture and picture.exists() and not is_of_views(picture):
+        log.line(f"picture not written: {picture} is not of inspect; name another one with --picture")
+    elif picture:
         write_views_picture(picture, shot.views(shot.frames[len(shot.frames) // 2]))
-        Progress(quiet=common.quiet, verbose=common.verbose).line(f"picture {picture}")
+        log.line(f"picture {picture}")
     print(json.dumps(inspection.to_dict(), indent=2) if common.json else "\n".join(inspection.lines()))
     return 0
 

@@ -6,7 +6,9 @@ from pathlib import Path
 
 from warpfluid.explaining.pictures import explain_exr, explain_picture
 from warpfluid.explaining.volumes import explain_volume
+from warpfluid.files.images import IMAGE_SUFFIXES, is_of_views
 from warpfluid.files.sequences import find_sequence, format_frames
+from warpfluid.files.video import VIDEO_SUFFIXES
 from warpfluid.options import ExportOptions
 from warpfluid.volumes import EXPORT, find_volumes
 
@@ -72,10 +74,26 @@ def explain_folder(path: Path) -> dict:
     except ValueError as error:
         if "several" in str(error):
             raise
-        return _pictures(path)
+        return _footage(path)
     first = next(iter(volumes.values()))
     told = explain_volume(first)
     return told | {"kind": f"folder of {told['kind']}", "bytes": sum(file.stat().st_size for file in volumes.values())}
+
+
+def _footage(path: Path) -> dict:
+    """Return what clips and pictures there are, but for the picture that ``inspect`` itself leaves."""
+    files = sorted(file for file in path.iterdir() if file.is_file() and not file.name.startswith("."))
+    clips = [file for file in files if file.suffix.lower() in VIDEO_SUFFIXES]
+    others = [file for file in files if file.suffix.lower() in IMAGE_SUFFIXES and not is_of_views(file)]
+    if not clips:
+        return _pictures(path)
+    pictures = [f"and {len(others)} picture{'s' * (len(others) > 1)}"] if others else []
+    return {
+        "kind": f"folder of clips: warpfluid inspect --front {clips[0]} looks at one",
+        "count": len(clips),
+        "files": [*(file.name for file in clips), *pictures],
+        "bytes": sum(file.stat().st_size for file in clips),
+    }
 
 
 def _pictures(path: Path) -> dict:

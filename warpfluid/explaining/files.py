@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from warpfluid.explaining.exports import explain_export, explain_folder
+from warpfluid.explaining.papers import PAPERS, explain_paper
 from warpfluid.explaining.pictures import explain_exr, explain_picture, explain_video
 from warpfluid.explaining.scenes import explain_run, explain_stage
 from warpfluid.explaining.volumes import explain_volume
@@ -33,6 +34,7 @@ def explain(path: Path) -> dict:
         **dict.fromkeys((*IMAGE_SUFFIXES, ".hdr"), explain_picture),
         ".exr": explain_exr,
         ".usda": explain_stage,
+        **dict.fromkeys(PAPERS, explain_paper),
         **dict.fromkeys(ENDINGS, explain_volume),
     }
     if ending not in kinds:

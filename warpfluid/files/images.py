@@ -19,6 +19,8 @@ from warpfluid.files.limits import check_pixels
 from warpfluid.files.quiet import quiet
 
 IMAGE_SUFFIXES = (".bmp", ".exr", ".jpeg", ".jpg", ".png", ".tif", ".tiff", ".webp")
+OF_VIEWS = "Views of warpfluid inspect"  # title of its picture, which lies beside footage and is none
+HEAD = 256  # bytes of a picture in which its title stands
 
 # Pillow goes by what is in a file, and has formats that it opens with other programs.
 PILLOW_FORMATS = ("BMP", "JPEG", "PNG", "TIFF", "WEBP")
@@ -90,12 +92,13 @@ def to_light(samples: np.ndarray) -> np.ndarray:
     return light
 
 
-def write_png(path: str | Path, array: np.ndarray) -> None:
+def write_png(path: str | Path, array: np.ndarray, *, title: str | None = None) -> None:
     """Write a picture as PNG, 8 or 16 bits a channel.
 
     Args:
         path: The file; its folder must exist.
         array: Pixels, uint8 or uint16, shape (rows, columns[, 1 or 3]), top row first.
+        title: Noted in the file, in Latin-1.
 
     Raises:
         OSError: If the file cannot be written.
@@ -108,14 +111,23 @@ def write_png(path: str | Path, array: np.ndarray) -> None:
     if not pixels.size:
         raise ValueError(f"{path} would have no pixels: the shape is {array.shape}")
     with replacing(path) as file:
-        file.write(_encode_png(pixels))
+        file.write(_encode_png(pixels, title))
+
+
+def is_of_views(path: Path) -> bool:
+    """Return whether a file is the picture that ``inspect`` makes of the views, by its title."""
+    try:
+        with path.open("rb") as file:
+            return b"Title\0" + OF_VIEWS.encode() in file.read(HEAD)
+    except OSError:
+        return False
 
 
 def _is_8_or_16_bit(dtype: np.dtype) -> bool:
     return dtype.kind == "u" and dtype.itemsize <= 2
 
 
-def _encode_png(pixels: np.ndarray) -> bytes:
+def _encode_png(pixels: np.ndarray, title: str | None) -> bytes:
     """Return a PNG file of pixels (rows, columns, channels)."""
     rows, columns, channels = pixels.shape
     big_endian = np.ascontiguousarray(pixels, dtype=pixels.dtype.newbyteorder(">"))
@@ -126,7 +138,8 @@ def _encode_png(pixels: np.ndarray) -> bytes:
     np.subtract(lines[1:], lines[:-1], out=filtered[1:, 1:])
     color_type = {1: 0, 3: 2}[channels]
     header = struct.pack(">IIBBBBB", columns, rows, 8 * pixels.dtype.itemsize, color_type, 0, 0, 0)
-    chunks = [(b"IHDR", header), (b"IDAT", zlib.compress(filtered, 6)), (b"IEND", b"")]
+    text = [(b"tEXt", b"Title\0" + title.encode("latin-1"))] if title else []
+    chunks = [(b"IHDR", header), *text, (b"IDAT", zlib.compress(filtered, 6)), (b"IEND", b"")]
     framed = [
         struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body)) for kind, body in chunks
     ]

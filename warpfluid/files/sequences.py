@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from warpfluid.files.images import IMAGE_SUFFIXES
+from warpfluid.files.images import IMAGE_SUFFIXES, is_of_views
 
 MOST_FRAMES = 100_000  # more than an hour of film: a longer set is a slip of the hand
 MOST_DIGITS = 20  # of a frame number
@@ -66,7 +66,7 @@ def find_sequence(source: str | Path) -> dict[int, Path]:
     """
     path = Path(os.path.expanduser(source))
     if path.is_dir():
-        return _only_sequence([file for file in _files(path) if _is_image(file)], path)
+        return _only_sequence([file for file in _files(path) if _is_image(file) and not _is_ours(file)], path)
     _check_image_name(path)
     if path.is_file():  # before the patterns: names may hold # and [
         return _only_sequence([path], path)
@@ -76,7 +76,7 @@ def find_sequence(source: str | Path) -> dict[int, Path]:
     if token:
         return _matching_sequence(path, token)
     if not any(sign in path.name for sign in "*?["):
-        raise FileNotFoundError(f"{source} does not exist. {_holds(path.parent)}; give {FORMS}")
+        raise FileNotFoundError(f"{source} does not exist: {_holds(path.parent)}; give {FORMS}")
     return _only_sequence([file for file in _files(path.parent) if fnmatchcase(file.name, path.name)], path)
 
 
@@ -143,6 +143,11 @@ def _is_image(path: Path) -> bool:
     return path.suffix.lower() in IMAGE_SUFFIXES
 
 
+def _is_ours(path: Path) -> bool:
+    """Return whether a picture beside footage is one that ``inspect`` left there; it has no number."""
+    return not _LAST_NUMBER.search(path.stem) and is_of_views(path)
+
+
 def _check_image_name(path: Path) -> None:
     """Refuse a file or pattern that names no image."""
     if not _is_image(path):
@@ -158,7 +163,7 @@ def _matching_sequence(path: Path, token: re.Match) -> dict[int, Path]:
     name = re.compile(rf"{re.escape(before)}(\d+){re.escape(after)}")
     matches = [(int(match[1]), file) for file in _files(path.parent) if (match := name.fullmatch(file.name))]
     if not matches:
-        raise FileNotFoundError(f"no file matches {path}. {_holds(path.parent)}")
+        raise FileNotFoundError(f"no file matches {path}: {_holds(path.parent)}")
     found = _by_number(matches)
     if not token["frames"]:
         return found
@@ -173,7 +178,7 @@ def _only_sequence(files: list[Path], source: Path) -> dict[int, Path]:
     """Return the one sequence that the files make up."""
     if not files:
         folder = source if source.is_dir() else source.parent
-        raise FileNotFoundError(f"no image found for {source}. {_holds(folder)}; give {FORMS}")
+        raise FileNotFoundError(f"no image found for {source}: {_holds(folder)}; give {FORMS}")
     sequences = _group(files)
     if len(sequences) > 1:
         example = files[0].parent / next(iter(sequences))
@@ -212,7 +217,7 @@ def _holds(folder: Path) -> str:
     parts = ([_list(_group(images))] if images else []) + ([f"other files ({', '.join(others)})"] if others else [])
     rich = [] if images else [f"{inner.name} ({count})" for inner in _folders(folder) if (count := _image_count(inner))]
     inside = f"; in it, {_first(rich)} hold{'s' * (len(rich) == 1)} images: name one of these folders" if rich else ""
-    return f"{folder} holds {' and '.join(parts) or 'no files'}{inside}"
+    return f"{'this folder' if folder == Path() else folder} holds {' and '.join(parts) or 'no files'}{inside}"
 
 
 def _folders(folder: Path) -> list[Path]:

@@ -159,10 +159,10 @@ def write_views_picture(path: str | Path, views: Views) -> None:
         path: A PNG file.
         views: One frame.
     """
-    from warpfluid.files.images import write_png
+    from warpfluid.files.images import OF_VIEWS, write_png
     from warpfluid.footage.views_picture import draw_views
 
-    write_png(path, draw_views(views))
+    write_png(path, draw_views(views), title=OF_VIEWS)
 
 
 def _read(shot: Shot) -> tuple[np.ndarray, np.ndarray, list[int]]:
