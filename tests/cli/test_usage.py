@@ -108,6 +108,7 @@ def refused(tmp_path, monkeypatch, capsys):
         (["inspect", *FRONT, "--white", "x", "--hull", "square"], ["'x' is not a number", 'value "square" for --hull']),
         (["render", "--gow", "3"], ["requires SOURCE, as in: warpfluid render", "Did you mean --glow?"]),
         (["reconstruct", *FRONT, "--blur", "99"], ["no folder is given", "blur is 99", "gone.mp4 does not exist"]),
+        (["export", "a", "-o", "b", "--format", "Houdini"], ['"npz". Houdini reads vdb.']),
         (["completion"], ["completion requires SHELL, as in: warpfluid completion bash"]),
         (["rendr"], ['Did you mean "render"?']),
         (["export", "a", "b"], ["there is no place for 'b': write what belongs together in quotes"]),

@@ -135,7 +135,9 @@ def test_an_export(tmp_path, capsys):
     (out / "density.0003.vdb").unlink()
     capsys.readouterr()
     assert run("inspect", out) == 0
-    assert "warning   frame 1,3 is not there: the same export with --resume writes it" in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert "\n  format    blender\n  up        z\n" in printed
+    assert "warning   frame 1,3 is not there: the same export with --resume writes it" in printed
     for content in ('{"frames": []}', "[" * 9999, '{"frames": {"a": {"file": "b"}}, "options": {}, "source": ""}'):
         (out / "export.json").write_text(content)
         assert run("inspect", out) == 1

@@ -12,6 +12,9 @@ MOST = 20  # rounds in search of further mistakes
 PLACES = dict.fromkeys(("reconstruct", "flow"), "footage follows --view ANGLE=, --front or --side")
 PLACES |= {"simulate": "write what belongs together in quotes, --force 'drag strength=2'"}
 
+READ = {"vdb": ("houdini", "maya", "arnold", "karma", "openvdb"), "usda": ("usd", "omniverse", "solaris")}
+READ |= {"vti": ("paraview", "vtk"), "nvdb": ("nanovdb",), "npz": ("numpy", "pytorch")}
+
 
 def usage_problems(app: App, arguments: Sequence[str], error: cyclopts.CycloptsError) -> Problems:
     """Return a line for everything that is wrong with a command line.
@@ -79,4 +82,13 @@ def _sentence(error: cyclopts.CycloptsError) -> str:
             return f"{error.keyword} requires an argument, {what}"
         command = " ".join(error.command_chain or ())
         return f"{command} requires {what}, as in: {EXAMPLES.get(command, command)}"
-    return str(error)
+    return str(error) + _format_for(error)
+
+
+def _format_for(error: cyclopts.CycloptsError) -> str:
+    """Return which format a program reads whose name was given in place of one."""
+    token = getattr(error, "token", None)
+    if token is None or token.keyword != "--format":
+        return ""
+    name = token.value.lower()
+    return next((f" {token.value} reads {kind}." for kind, programs in READ.items() if name in programs), "")

@@ -22,7 +22,6 @@ CHANGES = (
     "repair",
     "density_scale",
     "drop_below",
-    "frames",
     "grids",
 )  # worth a word where they are set
 

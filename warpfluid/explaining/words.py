@@ -15,7 +15,7 @@ def lines(told: dict) -> Iterator[str]:
     if told.get("range"):
         yield f"  range     {_text(told['range'])}"
     for name, value in (told.get("layer") or {}).items():
-        yield f"  {name} {value}"
+        yield f"  {name:<9} {value}"
     for prim in told.get("prims") or ():
         yield f"  {prim['type']} {prim['name']}"
     for grid in told.get("grids") or ():
