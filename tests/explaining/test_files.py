@@ -12,6 +12,7 @@ from warpfluid.files.exr import write_exr
 from warpfluid.files.images import write_png
 from warpfluid.files.npz import write_npz_grids
 from warpfluid.files.nvdb import write_nvdb
+from warpfluid.files.sequences import find_sequence
 from warpfluid.files.vdb import write_vdb
 from warpfluid.files.video import write_video
 from warpfluid.files.vti import write_vti
@@ -276,5 +277,8 @@ def test_the_picture_of_inspect_is_no_footage(tmp_path, monkeypatch):
     monkeypatch.chdir(front)
     for _ in range(2):
         assert run("inspect", "--front", ".", "-q") == 0
+    (tmp_path / "side" / "views.png").write_bytes((tmp_path / "front" / "views.png").read_bytes())
+    with pytest.raises(FileNotFoundError, match=r"side holds fire\.####\.png \(3\)$"):
+        find_sequence(tmp_path / "side" / "foo.####.png")
     told = explain(tmp_path / "front")
     assert (told["kind"], told["frames"]) == ("folder of pictures, the first a picture", "1-3")

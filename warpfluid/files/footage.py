@@ -8,11 +8,12 @@ from typing import Literal
 
 import numpy as np
 
-from warpfluid.files.images import IMAGE_SUFFIXES, Depth, decode_image
+from warpfluid.files.images import IMAGE_SUFFIXES, Depth, decode_image, is_of_views
 from warpfluid.files.sequences import find_sequence, format_frames
 from warpfluid.files.video import VIDEO_SUFFIXES, Video
 
 MOST_NAMES = 5  # of what there is in place of what is not
+ALIKE = 0.7  # of 1, names that may be meant
 
 
 @dataclass(frozen=True)
@@ -115,9 +116,9 @@ def _nearest_names(path: Path) -> str:
     there = sorted(
         file.name
         for file in path.parent.iterdir()
-        if not file.name.startswith(".") and (file.is_dir() or file.suffix.lower() in known)
+        if not (file.name.startswith(".") or is_of_views(file)) and (file.is_dir() or file.suffix.lower() in known)
     )
-    alike = difflib.get_close_matches(path.name, there, 3)
+    alike = difflib.get_close_matches(path.name, there, 3, ALIKE)
     if alike:
         return f"did you mean {' or '.join(alike)}?"
     more = f" and {len(there) - MOST_NAMES} more" if len(there) > MOST_NAMES else ""

@@ -211,7 +211,7 @@ def _by_number(numbered: list[tuple[int, Path]]) -> dict[int, Path]:
 
 def _holds(folder: Path) -> str:
     """Say what a folder holds, in a sentence without its full stop."""
-    files = _files(folder)
+    files = [file for file in _files(folder) if not _is_ours(file)]
     images = [file for file in files if _is_image(file)]
     others = sorted({file.suffix or file.name for file in files if not _is_image(file)})
     parts = ([_list(_group(images))] if images else []) + ([f"other files ({', '.join(others)})"] if others else [])
