@@ -29,7 +29,7 @@ from warpfluid.files.vdb import write_vdb
 from warpfluid.options import CameraOptions, LightOptions, RenderOptions
 from warpfluid.rendering.display import quantize
 from warpfluid.rendering.framing import cameras
-from warpfluid.rendering.lamps import ABOVE, BELOW, Lamps
+from warpfluid.rendering.lamps import ABOVE, AMBIENT, BELOW, Lamps
 from warpfluid.rendering.picture import Picture
 from warpfluid.rendering.studio import make_studio
 from warpfluid.rendering.turntable import in_a_row
@@ -127,7 +127,7 @@ def path_traced(folder: Path, medium, light: LightOptions) -> Picture:
     origin = (-(width - 1) / 2 * VOXEL, 0.5 * VOXEL, -(depth - 1) / 2 * VOXEL)
     write_vdb(folder / "fluid.vdb", baked(medium), voxel_size=VOXEL, origin=origin, up="z")
     (sun,) = Lamps(light).at(1).suns
-    sky = light.ambient * np.array([float(part) for part in light.ambient_color.split(",")])
+    sky = AMBIENT * np.array([float(part) for part in light.ambient_color.split(",")])
     job = {
         "volume": str(folder / "fluid.vdb"),
         "out": str(folder / "cycles.exr"),

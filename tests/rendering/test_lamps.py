@@ -23,6 +23,21 @@ def test_the_mean_of_the_sky_is_the_ambient_light():
     assert (above > below).all()
 
 
+def test_fire_on_the_ground_is_the_light_itself():
+    """Unless a light is chosen, there is no ground, or the look is one that scatters."""
+
+    def at(look="fire", **options):
+        light = Lamps(LightOptions(**{"ground": True, "ambient_color": "1,1,1", **options})).usual_for(look).at(1)
+        around = np.concatenate([np.eye(3), -np.eye(3)])
+        return len(light.suns), round(float(radiance(light.ambient, around).mean()), 4)
+
+    for night in (at(), at("blackbody")):
+        assert night == (0, 0.03)
+    for day in (at("smoke"), at("explosion"), at(ground=False), at(key_strength=2)):
+        assert day == (1, 0.12)
+    assert at(ambient=0.4) == (0, 0.4)
+
+
 def test_lights_may_be_keyed():
     lamps = Lamps(LightOptions(key_light="1:1,0,0;3:0,1,0", key_strength="1:0;3:2"))
     assert not lamps.at(1).suns

@@ -55,6 +55,7 @@ def render(
     problems.attempt(lambda: lamps.probe)
     problems.raise_if_any()
     rate = (volumes.document or {}).get("simulate", {}).get("fps", RATE)
+    lamps = lamps.usual_for(options.look or volumes.output.look)
     studio = make_studio(options, lamps, volumes.output.look, device, rate=rate)
     shots = make_shots(volumes, options.frames, camera.turntable)
     check_target(target, shots, resume=resume, overwrite=overwrite)

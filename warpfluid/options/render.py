@@ -51,10 +51,14 @@ class LightOptions:
 
     key_light: Annotated[str, "Direction x,y,z to the key light"] = "-1,1,0.4"
     key_strength: Annotated[
-        float | str | None, "Light of the key light: 1 lights a white wall fully; 1.5 by default, 0 with a probe"
+        float | str | None,
+        "Light of the key light: 1 lights a white wall fully; 1.5 by default, 0 with a probe, or fire on the ground",
     ] = None
     key_color: Annotated[str, "Its colour: red,green,blue"] = "1,0.95,0.88"
-    ambient: Annotated[float | str, "Light of the sky, which comes from everywhere; not with a probe"] = 0.12
+    ambient: Annotated[
+        float | str | None,
+        "Light of the sky, which comes from everywhere, not with a probe; 0.12 by default, 0.03 for fire on the ground",
+    ] = None
     ambient_color: Annotated[str, "Its colour: red,green,blue"] = "0.75,0.88,1"
     probe: Annotated[
         str | None, "Picture of all surroundings whose light counts instead: latitude and longitude, .exr or .hdr"
