@@ -45,8 +45,8 @@ class SimulateOptions:
     fidelity: Annotated[
         float | str | None,
         "Pull towards the footage, 0-1: of the balancing against its views and of guide-weight; below 1 the volumes "
-        "are followed to where the edit has carried them. By default 1, 0.3 once anything is added, 0.1 with wind, "
-        "forces and obstacles",
+        "are followed to where the edit has carried them. By default 1, 0.3 once anything is added, 0.1 with obstacles "
+        "or bodies",
     ] = None
     guide_weight: Annotated[float | str, "Share of the footage in the slow motion (Eqs. 8-9); 0 ignores its flow"] = 1.0
     guide_radius: Annotated[float | str, "Standard deviation of the blur G of Eqs. 8-9 [voxel]"] = 2.0

@@ -9,13 +9,14 @@ from warpfluid.options.keys import Keyed
 from warpfluid.simulation.source import Source
 
 EDITED_FIDELITY = 0.3  # how strongly the footage pulls once the artist adds something
-CARRIED_FIDELITY = 0.1  # the same where something carries matter elsewhere or stands in its way; more hides it
+OBSTRUCTED_FIDELITY = 0.1  # the same where something stands in the way; more makes anew what it stops
 EDITS = (
     "density_buoyancy",
     "temperature_buoyancy",
     "liquid_weight",
     "swirl",
     "turbulence_strength",
+    "wind",
     "velocity_damp",
     "viscosity",
     "density_diffusion",
@@ -50,8 +51,8 @@ def fidelity_at(options: SimulateOptions, scene: Scene, frame: float) -> float:
     """Return how strongly the footage pulls at a frame: all the way, unless the artist adds something."""
     if options.fidelity is not None:
         return Keyed(options.fidelity).at(frame)
-    if is_carried(options, scene):
-        return CARRIED_FIDELITY
+    if is_obstructed(scene):
+        return OBSTRUCTED_FIDELITY
     return EDITED_FIDELITY if is_edited(options, scene) else 1.0
 
 
@@ -59,10 +60,9 @@ def is_edited(options: SimulateOptions, scene: Scene) -> bool:
     """Return whether an artist adds anything to what the footage asks for."""
     usual = SimulateOptions()
     changed = any(getattr(options, name) != getattr(usual, name) for name in EDITS)
-    return changed or bool(scene.emitter) or is_carried(options, scene)
+    return changed or bool(scene.emitter or scene.force) or is_obstructed(scene)
 
 
-def is_carried(options: SimulateOptions, scene: Scene) -> bool:
-    """Return whether an artist carries matter elsewhere, or puts something in its way."""
-    pushed = any(body.obstacle for body in scene.body)
-    return pushed or options.wind != SimulateOptions().wind or bool(scene.obstacle or scene.force)
+def is_obstructed(scene: Scene) -> bool:
+    """Return whether an artist puts something in the way of matter."""
+    return bool(scene.obstacle) or any(body.obstacle for body in scene.body)
