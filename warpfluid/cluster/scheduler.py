@@ -71,19 +71,24 @@ class Scheduler:
             ConnectionError: If the scheduler is gone, or there is no worker for long.
         """
         while True:
-            with contextlib.suppress(queue.Empty):
-                future = self._ended.get(timeout=farms.NEWS)
-                if future.key in self._under_way:
-                    return [(future.key, self._conclude(future))]
-            if time.monotonic() - self._heard < farms.NEWS:
-                continue
-            self._heard = time.monotonic()
-            came, gone = self._farm.news()
-            lost = self._dismiss(gone)
-            self._employ(came)
+            ended, came = self._next(), []
+            if time.monotonic() - self._heard >= farms.NEWS:  # however fast tasks end
+                self._heard = time.monotonic()
+                came, gone = self._farm.news()
+                ended += self._dismiss(gone)
+                self._employ(came)
+            self._note_presence()
+            if ended or came:
+                return ended
             self._check_presence()
-            if lost or came:
-                return lost
+
+    def _next(self) -> list[tuple[str, dict | Lost]]:
+        """Return the next outcome, or none if nothing ends for a while."""
+        try:
+            future = self._ended.get(timeout=farms.NEWS)
+        except queue.Empty:
+            return []
+        return [(future.key, self._conclude(future))] if future.key in self._under_way else []
 
     def _hear(self, message: list[float]) -> None:
         """Pass on how far a job is; messages travel as plain numbers."""
@@ -107,11 +112,15 @@ class Scheduler:
             self._under_way.pop(key)[0].release()
         return [(key, Lost("its worker went away or was killed (out of memory?)")) for key in lost]
 
+    def _note_presence(self) -> None:
+        """Note who is there now."""
+        now = time.monotonic()
+        self._seen = now if self._farm.is_connected else self._seen
+        self._manned = now if self._farm.workers else self._manned
+
     def _check_presence(self) -> None:
         """Raise where waiting makes no sense any more."""
         now, address = time.monotonic(), self._farm.address
-        self._seen = now if self._farm.is_connected else self._seen
-        self._manned = now if self._farm.workers else self._manned
         if now - self._seen > GONE or self._client.status == "closed":
             raise ConnectionError(f"the scheduler at {address} is gone: start it again")
         if now - self._manned > farms.ALONE:
