@@ -122,3 +122,13 @@ def test_what_tells_nothing_is_refused(reference, sums, words):
     """With what was found."""
     with pytest.raises(ValueError, match=words):
         match_row_sums(reference, sums)
+
+
+@pytest.mark.parametrize(("noise", "time"), [(0.0015, 0), (0.05, 20)])
+def test_the_coding_of_a_video_moves_nothing(noise, time):
+    """Where the light repeats, only noise tells one time from another: that of coding does not count."""
+    rows = np.arange(40)
+    puffs = [np.exp(-(((rows - middle) / 6) ** 2)) for middle in (15, 25)]
+    sums = np.array([puffs[frame % 2] for frame in range(80)])
+    sums += noise * sums.std() * np.random.default_rng(1).standard_normal(sums.shape)
+    assert match_row_sums(sums[:-20], sums[20:]).time == time

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from warpfluid.footage.row_pair import ALMOST_NOTHING, LARGEST_SHIFT, Match, RowPair, correlations
+from warpfluid.footage.row_pair import LARGEST_SHIFT, Match, RowPair, correlations
 
 FEWEST_FRAMES = 8
 SIZES = 1 + 0.03 * np.arange(-4, 5)  # tried first
@@ -18,6 +18,7 @@ LARGEST_SIZE = 0.15  # more or less
 MOST_ROWS = 400  # finer ones are averaged
 CONTENDERS = 5  # other offsets in time that are refined
 WORTH = 0.05  # share of the disagreement that a move must take away
+NOISE = 3e-3  # disagreement that it must take away besides: what a video's coding leaves fits better here or there
 FLAT = 0.03  # standard deviation of row sums over their mean
 LEAST_CORRELATION = 0.85
 MOST_DISAGREEMENT = 0.35
@@ -113,7 +114,7 @@ def _refine(pair: RowPair, start: Match, fixed: dict[str, float], free: set[str]
 def _score(match: Match) -> float:
     """Return the disagreement, and a little for everything that is done to the view: it must be worth its while."""
     done = sum(getattr(match, name) != nothing for name, nothing in NOTHING.items())
-    return match.disagreement * (1 + WORTH * done) + ALMOST_NOTHING * done
+    return match.disagreement * (1 + WORTH * done) + NOISE * done
 
 
 def _averaged(values: np.ndarray, bins: int) -> np.ndarray:
