@@ -179,3 +179,16 @@ def test_the_folder_that_workers_must_see(tmp_path, monkeypatch):
     monkeypatch.setattr(farms.Farm, "_await_workers", lambda farm: None)
     farm = farms.Farm("tcp://a:1", folder=tmp_path / "new" / "run", need=1, say=print)
     assert Path(farm._folder) == tmp_path
+
+
+def test_a_scheduler_that_goes_while_a_result_is_fetched():
+    """It is named, as when it goes at any other moment."""
+
+    def cut(timeout):
+        raise ConnectionResetError("reset by peer")
+
+    pool = Scheduler(print, SimpleNamespace(client=None, address="tcp://a:1"), "cpu", print)
+    future = SimpleNamespace(key="a", status="finished", result=cut)
+    pool._under_way["a"] = future, "tcp://b"
+    with pytest.raises(ConnectionError, match="the scheduler at tcp://a:1 is gone"):
+        pool._conclude(future)

@@ -63,7 +63,10 @@ class Farm:
         """Ask the scheduler who is there; return the workers that came and can be used, and those that are gone."""
         if not self.is_connected:
             return [], []
-        there = self.client.scheduler_info(n_workers=-1)["workers"]
+        try:
+            there = self.client.scheduler_info(n_workers=-1)["workers"]
+        except OSError:  # it goes at this moment
+            return [], []
         gone = [worker for worker in self.workers if worker not in there]
         looked_at = {*self.workers, *self._refused}
         new = {w: about for w, about in there.items() if w not in looked_at and about["status"] == "running"}

@@ -120,9 +120,9 @@ class Scheduler:
 
     def _check_presence(self) -> None:
         """Raise where waiting makes no sense any more."""
-        now, address = time.monotonic(), self._farm.address
+        now = time.monotonic()
         if now - self._seen > GONE or self._client.status == "closed":
-            raise ConnectionError(f"the scheduler at {address} is gone: start it again")
+            raise ConnectionError(self._gone())
         if now - self._manned > farms.ALONE:
             raise ConnectionError(f"{self._farm.why_alone()}, and none came in {farms.ALONE:.0f} s")
 
@@ -132,7 +132,7 @@ class Scheduler:
 
         _, worker = self._under_way.pop(future.key)
         if future.status in ("cancelled", "lost"):
-            raise ConnectionError(f"the scheduler at {self._farm.address} is gone: start it again")
+            raise ConnectionError(self._gone())
         if future.status == "error":
             self._idle.append(worker)
             error = future.exception()
@@ -143,8 +143,13 @@ class Scheduler:
             outcome = future.result(timeout=GONE)
         except TimeoutError:  # who made it is gone, before it was fetched
             outcome = None
+        except OSError as error:  # the scheduler went while it was fetched
+            raise ConnectionError(self._gone()) from error
         if outcome is None:
             self._farm.forget(worker)
             return Lost("its worker was started again")
         self._idle.append(worker)
         return outcome
+
+    def _gone(self) -> str:
+        return f"the scheduler at {self._farm.address} is gone: start it again"
