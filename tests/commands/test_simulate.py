@@ -432,6 +432,16 @@ def test_a_preset_begins_with_the_first_frame(tmp_path):
     assert sorted(late.records()) == [1001, 1002, 1003]
     assert late.volume(1001).max() > 0
     np.testing.assert_array_equal(late.volume(1002), Run(tmp_path / "one").volume(2))
+    assert run("simulate", *small, "--frames", "1004", "-o", tmp_path / "late", "--resume") == 0
+    assert sorted(late.records()) == [1001, 1002, 1003, 1004]
+
+
+def test_a_preset_begins_with_the_frames_of_the_flag(tmp_path):
+    """A file's frames do not count where a flag says others."""
+    (tmp_path / "c.toml").write_text('[simulate]\nframes = "1-3"\n')
+    flags = ("--config", tmp_path / "c.toml", "--preset", "explosion", "--size", "12x16", "--device", "cpu", *BARE)
+    assert run("simulate", *flags, "--frames", "101-102", "-o", tmp_path / "late") == 0
+    assert Run(tmp_path / "late").volume(101).max() > 0
 
 
 def test_how_long_it_takes(tmp_path, capsys):

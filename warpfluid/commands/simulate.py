@@ -3,6 +3,7 @@
 import json
 import re
 import shlex
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from importlib.resources import files
@@ -51,7 +52,7 @@ def simulate(asked: Asked, out: Path, *, paper: bool, document: dict, resume: bo
     _check_other(asked.source, out)
     problems.attempt(lambda: run.check_free(resume=resume, overwrite=overwrite))
     device = problems.attempt(pick_device, common.device)
-    made = problems.attempt(_settle, asked, paper, document, device)
+    made = problems.attempt(_settle, asked, paper, document, device, _earlier(run) if resume else None)
     problems.raise_if_any()
     settings, source = made
     _check_other(settings.source, out)
@@ -93,8 +94,10 @@ def _flag(option: str, value) -> str:
     return f"--{name} {shlex.quote(str(value))}"
 
 
-def _settle(asked: Asked, paper: bool, document: dict, device) -> tuple[SimulateSettings, Source]:
-    """Return settings and source, each with the other's say."""
+def _settle(
+    asked: Asked, paper: bool, document: dict, device, earlier: str | None = None
+) -> tuple[SimulateSettings, Source]:
+    """Return settings and source, each with the other's say; ``earlier`` are the frames of a run that goes on."""
     problems = Problems()
     size = problems.attempt(_size, asked.size) if asked.size else tuple(document.get("size", ())) or None
     name = asked.source or document.get("source")
@@ -102,7 +105,7 @@ def _settle(asked: Asked, paper: bool, document: dict, device) -> tuple[Simulate
         problems.append("size is for an empty box, and there is a source: use --resolution-scale")
     volumes = problems.attempt(open_volumes, name) if name else None
     chosen = {"size": size, "preset": asked.preset, "paper": paper, "document": document}
-    first = problems.attempt(_first_frame, asked, document, volumes)
+    first = problems.attempt(_first_frame, (earlier, _asked_frames(asked, document)), volumes)
     chosen["first"] = 1 if first is None else first
     if volumes and "output" not in document:
         chosen["source_output"] = asdict(volumes.output)
@@ -137,11 +140,16 @@ def _check_scene(settings: SimulateSettings, source: Source) -> None:
     problems.raise_if_any()
 
 
+def _earlier(run: Run) -> str | None:
+    """Return the frames that a run was asked for before, if they were named."""
+    return run.settings().get("simulate", {}).get("frames") if (run.folder / SETTINGS).is_file() else None
+
+
 def _joined(run: Run, text: str | None) -> str | None:
     """Return frames together with those of the parts of a run that were asked for before."""
     if not (run.folder / SETTINGS).is_file():
         return text
-    earlier = run.settings().get("simulate", {}).get("frames")
+    earlier = _earlier(run)
     return f"{earlier},{text}" if earlier and text else None
 
 
@@ -156,9 +164,14 @@ def _frames(text: str | None, source: Source) -> tuple[int, ...]:
     return frames
 
 
-def _first_frame(asked: Asked, document: dict, volumes: VolumeSequence | None) -> int:
-    """Return with which frame a simulation begins, also one that is made longer."""
-    text = document.get("simulate", {}).get("frames") or getattr(asked.method, "frames", None)
+def _asked_frames(asked: Asked, document: dict) -> str | None:
+    """Return the frames that are asked for, by a flag before a file."""
+    return getattr(asked.method, "frames", None) or document.get("simulate", {}).get("frames")
+
+
+def _first_frame(texts: Sequence[str | None], volumes: VolumeSequence | None) -> int:
+    """Return with which frame a simulation begins: the first of those that are named, of a run that is made longer."""
+    text = next(filter(None, texts), None)
     return parse_frames(text)[0] if text else volumes.frames[0] if volumes else 1
 
 
