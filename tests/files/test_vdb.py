@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from warpfluid.files import limits
 from warpfluid.files.vdb import lost_mass, read_vdb, write_vdb
 
 SHAPES = [(1, 1, 1), (3, 5, 7), (8, 8, 8), (16, 8, 24), (130, 9, 10), (9, 130, 10), (5, 7, 257), (4100, 2, 3)]
@@ -329,6 +330,20 @@ def test_a_far_node_does_not_fill_the_memory(tmp_path, axis):
         assert tracemalloc.get_traced_memory()[1] < 2**26
     finally:
         tracemalloc.stop()
+
+
+def test_what_was_written_is_read_however_empty(tmp_path, monkeypatch):
+    """The checksum vouches for a large volume of nothing; without it voxels count, not their components."""
+    path, shape = tmp_path / "a.vdb", (9, 10, 11)
+    write_vdb(path, {"density": np.zeros(shape), "velocity": np.zeros((*shape, 3))})
+    for limit in ("EMPTY", "TRUSTED"):
+        monkeypatch.setattr(limits, limit, 100, raising=False)
+    assert read_vdb(path).grids["velocity"].shape == (*shape, 3)
+    path.write_bytes(unsigned(path.read_bytes()))
+    with pytest.raises(ValueError, match="damaged or nearly empty: 0 voxels in a box of 990"):
+        read_vdb(path)
+    monkeypatch.setattr(limits, "EMPTY", 990)
+    assert read_vdb(path).grids["density"].shape == shape
 
 
 def test_a_packed_block_opens_to_its_size_only(tmp_path):

@@ -7,8 +7,7 @@ SMALL = 2**27  # bytes that any file may open to: a picture of 4096 x 2160, what
 MOST_A_BYTE = 2**13  # bytes that a byte may open to: zlib reaches 1032, the DWAB of black OpenEXR pictures 7000
 SMALLEST_VOXEL, LARGEST_VOXEL = 1e-30, 1e30  # world units; a float in 32 bits must hold it and its inverse
 MOST_PIXELS = 2**26  # 8192 x 8192: a picture that claims more is damaged or a trap
-EMPTY = 2**27  # numbers that volumes may hold without any that is not empty
-TRUSTED = 2**29  # the same of a file with a checksum
+EMPTY = 2**27  # voxels that volumes may have without any that is not empty
 VOXELS_AN_ACTIVE = 1000  # of the box around active voxels
 
 
@@ -44,19 +43,18 @@ def check_pixels(width: int, height: int, channels: int, size: int, what: str = 
     check_promise(4 * width * height * channels, size)
 
 
-def check_box(numbers: int, active: int, trusted: bool = False) -> None:
+def check_box(voxels: int, active: int) -> None:
     """Refuse volumes that are large and nearly empty, as they seem when a byte was flipped.
 
     Args:
-        numbers: In the boxes of all grids.
-        active: Numbers of them that are not empty.
-        trusted: The file has a checksum: a fire may begin with nothing.
+        voxels: Of the box that holds all grids.
+        active: Voxels that are not empty, of all grids.
 
     Raises:
         ValueError: If there are too many; it does not know the file's name.
     """
-    if numbers > (TRUSTED if trusted else EMPTY) + VOXELS_AN_ACTIVE * active:
-        raise ValueError(f"it is damaged or nearly empty: {active} voxels in a box of {numbers}")
+    if voxels > EMPTY + VOXELS_AN_ACTIVE * active:
+        raise ValueError(f"it is damaged or nearly empty: {active} voxels in a box of {voxels}")
 
 
 def is_voxel_size(size: float) -> bool:

@@ -129,9 +129,7 @@ def _read(grids: dict[str, tuple[GridFacts, bytes]], up: str) -> GridFile:
     boxes = [box for box in (tree.box() for tree in trees.values()) if box is not None]
     boxes = boxes or [np.array([[0, 0, 0], [-1, -1, -1]])]
     low, high = np.min(boxes, 0)[0], np.max(boxes, 0)[1]
-    voxels = math.prod((high - low + 1).tolist())
-    numbers = [len(tree.background) * np.array([voxels, tree.stored()], object) for tree in trees.values()]
-    check_box(*np.sum(numbers, axis=0))
+    check_box(math.prod((high - low + 1).tolist()), sum(tree.stored() for tree in trees.values()))
     origin = np.asarray(shift) + size * low
     if up == "z":
         origin = np.array([origin[0], origin[2], 0 - (shift[1] + size * high[1])])

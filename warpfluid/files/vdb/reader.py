@@ -146,9 +146,8 @@ def _on_one_lattice(grids: dict[str, _Grid], metadata: dict, trusted: bool) -> G
     boxes = [box for grid in grids.values() for box in grid.boxes()] or [np.array([[0, 0, 0], [-1, -1, -1]])]
     low, high = np.min(boxes, 0)[0], np.max(boxes, 0)[1]
     voxels = math.prod(int(side) for side in high - low + 1)
-    trees = [grid.tree for grid in grids.values()]
-    numbers = [len(tree.background) * np.array([voxels, tree.stored()], object) for tree in trees]
-    check_box(*np.sum(numbers, axis=0), trusted)
+    if not trusted:  # a fire of ours may begin with nothing
+        check_box(voxels, sum(grid.tree.stored() for grid in grids.values()))
     place = [at + voxel_size * index for at, index in zip(shift, low.tolist(), strict=True)]
     if up == "z":
         place = [place[0], place[2], 0 - (shift[1] + voxel_size * int(high[1]))]
