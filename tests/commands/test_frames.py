@@ -71,3 +71,35 @@ def test_jobs_that_are_none(tmp_path, flags, capsys):
     assert run("reconstruct", *flags, "--jobs", "many", "-o", tmp_path / "run") == 2
     assert "jobs is 'many', expected a number of processes from 1, or auto" in capsys.readouterr().err
     assert not (tmp_path / "run").exists()
+
+
+def rid_of(folder, frames):
+    """Delete pictures of both views."""
+    for name in ("front", "side"):
+        for frame in frames:
+            (folder / name / f"fire.{frame:04d}.png").unlink()
+
+
+def test_pictures_that_went_at_the_begin(tmp_path, flags):
+    """Pieces stay where they were, and a frame that cannot be made again as it was is kept."""
+    how = ("--piece", "3", "--overlap", "1")
+    assert run("reconstruct", *flags, *how, "-o", tmp_path / "run") == 0
+    whole = volumes(tmp_path / "run")
+    rid_of(tmp_path, [1])
+    for _ in range(2):
+        assert run("reconstruct", "-o", tmp_path / "run", "--resume", "--frames", "2-6") == 0
+        assert volumes(tmp_path / "run") == whole
+        assert sorted(Run(tmp_path / "run").records()) == list(FRAMES)
+    Run(tmp_path / "run").volume_path(5).unlink()
+    assert run("reconstruct", "-o", tmp_path / "run", "--resume", "--frames", "2-6") == 0
+    assert volumes(tmp_path / "run") == whole
+
+
+def test_pictures_of_made_frames_that_went(tmp_path, flags):
+    """Frames that come start anew where nothing is left to carry from, and those that are there stay."""
+    assert run("reconstruct", *flags, "--frames", "1-4", "-o", tmp_path / "run") == 0
+    whole = volumes(tmp_path / "run")
+    rid_of(tmp_path, range(1, 5))
+    assert run("reconstruct", "-o", tmp_path / "run", "--resume", "--frames", "5-6") == 0
+    assert volumes(tmp_path / "run").items() > whole.items()
+    assert [record["before"] for record in Run(tmp_path / "run").records().values()][4:] == [None, 5]

@@ -102,7 +102,7 @@ def reconstruct_frames(work: Work, asked: Asked, device, log: Progress) -> None:
 
 def _plan(work: Work, log: Progress) -> tuple[list[int], list[Chain]]:
     """Return the frames to make if all succeed, and chains that make them, or fewer or more where some do not."""
-    from warpfluid.reconstruction.pieces import frame_chain, make_pieces
+    from warpfluid.reconstruction.pieces import frame_chain, keep_lasting, make_pieces
 
     def forget(frames: list[int]) -> None:
         which = f"frames {format_frames(frames)} are" if len(frames) > 1 else f"frame {frames[0]} is"
@@ -110,8 +110,10 @@ def _plan(work: Work, log: Progress) -> tuple[list[int], list[Chain]]:
         with writing(work.run.folder / RECORDS):
             work.run.forget(frames)
 
-    pieces, wanted, records = make_pieces(work.shot, work.settings.reconstruct), work.shot.frames, dict(work.records)
-    known = sorted({*wanted, *records})
+    first = work.run.settings()["made-with"].get("first")
+    pieces, wanted = make_pieces(work.shot, work.settings.reconstruct, first), work.shot.frames
+    seen = [frame for frame in {*wanted, *work.records} if all(frame in source.frames for source in work.shot.sources)]
+    records, known = keep_lasting(work.records, seen), sorted(seen)
     frames = pieces.to_make(wanted, known, records)
     if len(frames) < len(wanted):
         log.line(f"resume  {len(wanted) - len(frames)} of {len(wanted)} frames are there")

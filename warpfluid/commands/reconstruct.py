@@ -30,6 +30,7 @@ def reconstruct(
 ) -> int:
     """Reconstruct a shot into a folder, and every iteration's pictures into another; return the exit code."""
     from warpfluid.device import pick_device
+    from warpfluid.reconstruction.pieces import first_picture
 
     if cluster:  # whose workers are in other folders
         settings = dataclasses.replace(settings, views=tuple(settings.to_dict()["views"]))
@@ -51,7 +52,8 @@ def reconstruct(
     if resume:
         check_footage(run, shot, settings)
     with reach(asked, need=inspection.memory_bytes, folder=run.folder, say=log.line) as crew:
-        facts = {"device": str(device), "frames": format_frames(shot.frames), "inputs": shot.background_hashes()}
+        noted = {"frames": format_frames(shot.frames), "first": first_picture(shot), "inputs": shot.background_hashes()}
+        facts = {"device": str(device), **noted}
         done = run.begin(settings, facts, resume=resume, overwrite=overwrite)
         for line in inspection.lines():
             log.line(line)

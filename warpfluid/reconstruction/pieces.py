@@ -45,7 +45,7 @@ class Pieces:
     """How the frames of a shot hang together.
 
     Attributes:
-        first: The first frame of the footage, from which pieces are counted.
+        first: The frame from which pieces are counted; of a run, always the same.
         step: Frames from one picture to the next.
         length: Pictures of a piece; None for one that holds all.
         overlap: Pictures that a piece starts early, and over which the one before fades into it.
@@ -123,7 +123,8 @@ class Pieces:
         found, changed, rising = [], set(), sorted(known)
         for frame in rising:
             task = self.task(frame, rising, known)
-            if frame in records and (task.before in changed or not is_made_so(task, records)):
+            noted = "lead" in records.get(frame, {})
+            if noted and (task.before in changed or not is_made_so(task, records)):
                 changed.add(frame)
             if frame in frames and (frame in changed or frame not in records):
                 found.append(frame)
@@ -133,15 +134,44 @@ class Pieces:
         return other - one <= FARTHEST * self.step
 
 
-def make_pieces(shot: Shot, options: ReconstructOptions) -> Pieces:
-    """Return how the frames of a shot hang together under some options."""
+def make_pieces(shot: Shot, options: ReconstructOptions, first: int | None = None) -> Pieces:
+    """Return how the frames of a shot hang together under some options.
+
+    Args:
+        shot: The footage.
+        options: The method.
+        first: From where pieces of the run were counted when it began; by default its footage begins now.
+    """
     return Pieces(
-        first=max(source.frames[0] for source in shot.sources),
+        first=first_picture(shot) if first is None else first,
         step=shot.step,
         length=options.piece,
         overlap=options.overlap,
         coherent=options.coherence == "flow" and options.method == "appearance-transfer",
     )
+
+
+def first_picture(shot: Shot) -> int:
+    """Return the first frame that every view has a picture of, whether it is asked for or not."""
+    return max(source.frames[0] for source in shot.sources)
+
+
+def keep_lasting(records: Mapping[int, dict], frames: Collection[int]) -> dict[int, dict]:
+    """Return records by which no frame is made again that cannot be made as it was.
+
+    What such a frame was made from is taken out of its record: it stays, and others may start from it.
+
+    Args:
+        records: Of the frames that the run has.
+        frames: Those that still have their pictures.
+    """
+    made_from = ("before", "lead", "towards", "weight")
+    kept = {}
+    for frame, record in records.items():
+        from_frames = {record.get("before"), *record.get("lead", ()), *record.get("towards", ())} - {None}
+        lasts = from_frames <= set(frames)
+        kept[frame] = record if lasts else {key: value for key, value in record.items() if key not in made_from}
+    return kept
 
 
 def is_made_so(task: FrameTask, records: Mapping[int, dict]) -> bool:
@@ -152,7 +182,7 @@ def is_made_so(task: FrameTask, records: Mapping[int, dict]) -> bool:
         records: Of the frames that the run has.
     """
     record, before = records[task.frame], records.get(task.before, {})
-    if "lead" not in record:  # of a run that began before this was noted
+    if "lead" not in record:  # of a run that began before this was noted, or see ``keep_lasting``
         return True
     noted = {name: record[name] for name in ("before", "lead", "towards", "weight") if name in record}
     return noted == task.to_dict() and record.get("origin") == before.get("volume", record.get("origin"))

@@ -43,13 +43,16 @@ def check_same(folder: Path, old: dict, new: dict) -> None:
 
 
 def join_frames(old: dict, new: dict) -> None:
-    """Let the frames of ``new`` be those of both documents: a run may be made in parts."""
+    """Let the frames of ``new`` be those of both documents, as a run may be made in parts, and its pieces the old."""
     section = "input" if "input" in new else "simulate"
     parts = [document[section].get("frames") for document in (old, new)]
     if None in parts:
         new[section].pop("frames", None)
     else:
         new[section]["frames"] = format_frames(frame for part in parts for frame in parse_frames(part))
+    first = old.get("made-with", {}).get("first")
+    if first is not None:  # from where pieces are counted; pictures may have come or gone since
+        new["made-with"]["first"] = first
     noted = [document.get("made-with", {}).get("frames") for document in (old, new)]
     if all(noted):
         new["made-with"]["frames"] = format_frames(frame for part in noted for frame in parse_frames(part))
