@@ -1,11 +1,13 @@
 """Frames that other programs have cut are put where they belong."""
 
+import struct
+
 import numpy as np
 import pytest
 
 from warpfluid.files.npz import write_npz_grids
 from warpfluid.files.nvdb import write_nvdb
-from warpfluid.files.vdb import write_vdb
+from warpfluid.files.vdb import layout, write_vdb
 from warpfluid.files.vti import write_vti
 from warpfluid.volumes import Lattice, open_volumes
 
@@ -78,6 +80,25 @@ def test_frames_spread_over_the_world_are_refused(tmp_path):
     write_nvdb(tmp_path / "a.2.nvdb", {"density": blob()}, origin=(0.0, 3e5, 4e5))
     with pytest.raises(ValueError, match="are spread over 4 x 300005 x 400006 voxels"):
         open_volumes(tmp_path)
+
+
+def test_what_is_small_in_a_wide_space_is_read(tmp_path):
+    """A ball of others that flies by; four grids of it."""
+    balls = {"density": blob((24, 24, 24)), "a": blob((24, 24, 24)), "b": blob((24, 24, 24)), "c": blob((24, 24, 24))}
+    write_nvdb(tmp_path / "a.1.nvdb", balls)
+    write_nvdb(tmp_path / "a.2.nvdb", balls, origin=(700, 700, 700))
+    assert open_volumes(tmp_path, unchecked=True).lattice.shape == (724, 724, 724)
+
+
+def test_the_box_of_ours_is_left_to_memory(tmp_path, monkeypatch):
+    """Whatever the number of grids and however little they hold."""
+    path = tmp_path / "a.vdb"
+    write_vdb(path, {"density": np.zeros((3, 5, 7)), "velocity": np.zeros((3, 5, 7, 3))})
+    wide = bytearray(path.read_bytes().replace(struct.pack("<3i", 3, 5, 7), struct.pack("<3i", 900, 900, 900)))
+    wide[layout.ID] = layout.content_id(wide)
+    path.write_bytes(wide)
+    monkeypatch.setattr("warpfluid.volumes.sequence.check_room", lambda shape: None)
+    assert open_volumes(path, unchecked=True).lattice.shape == (900, 900, 900)
 
 
 def test_empty_frames_take_no_place(tmp_path):

@@ -14,7 +14,7 @@ from warpfluid.files.grids import GridFacts, GridFile
 from warpfluid.files.limits import VOXELS_AN_ACTIVE
 
 NEAR = 0.02  # of a voxel: what transforms in 32 bits get wrong
-FREE = 2**25  # voxels of a lattice
+FREE = 2**29  # voxels of a lattice
 VOXELS_A_BYTE = 512  # more of them for a byte of the files: what is sparse is small, but not that small
 FAR = 2.0**40  # voxels; what lies further aside is outside anyway
 SAME = 1e-4  # relative difference of voxel sizes that counts as none

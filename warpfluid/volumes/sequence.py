@@ -10,7 +10,6 @@ from typing import Literal
 import numpy as np
 
 from warpfluid.files.grids import GridFacts, GridFile
-from warpfluid.files.limits import EMPTY
 from warpfluid.footage.sources import file_hash, parse_view
 from warpfluid.options import OutputOptions
 from warpfluid.run import SETTINGS, Run
@@ -23,6 +22,7 @@ ANGLES_DEG = (0.0, 90.0)  # that volumes of other programs are seen from
 DENSITY = "density"
 EXPORT = "export.json"  # of ``warpfluid export``
 WHITE = 255.0
+OWN_FREE = 2**40  # voxels that may be empty in files of ours; memory ends sooner
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -252,7 +252,5 @@ def _common(files: dict[int, Path], facts: dict[int, list[GridFacts]], density: 
 
 
 def _free(files: Collection[list[GridFacts]]) -> int:
-    """Return how many voxels of a sequence may be empty: an empty frame of ours keeps its box."""
-    own = any(grid.up for grids in files for grid in grids)
-    numbers = max((sum(3 if grid.kind == "vec3s" else 1 for grid in grids) for grids in files), default=1)
-    return EMPTY // max(numbers, 1) if own else FREE
+    """Return how many voxels of a sequence may be empty: in ours, whose boxes were asked for, what memory holds."""
+    return OWN_FREE if any(grid.up for grids in files for grid in grids) else FREE
