@@ -1,6 +1,10 @@
 """A run on disk: what counts as finished, what may be continued, what is never lost."""
 
 import dataclasses
+import os
+import platform
+import subprocess
+import sys
 import tomllib
 
 import numpy as np
@@ -151,10 +155,26 @@ def test_strange_lines_are_no_records(run):
 
 
 def test_leftovers_of_a_killed_run_go(run):
-    """A half-written file under a temporary name is removed when its frame is made."""
-    (run.folder / ".density.1003.vdb.77.tmp").write_bytes(b"half")
+    """A half-written file of a process that is no more is removed when its frame is made, or the run goes on."""
+    with subprocess.Popen([sys.executable, "-c", ""]) as process:
+        process.wait()
+    left = run.folder / f".density.1003.vdb.{process.pid}@{platform.node()}.tmp"
+    left.write_bytes(b"half")
     run.write_frame(1003, DENSITY, OutputOptions(), {})
-    assert not list(run.folder.glob(".*"))
+    assert not left.exists()
+    left.write_bytes(b"half")
+    run.begin(settings(), FACTS, resume=True)
+    assert not left.exists()
+
+
+def test_what_another_process_writes_stays(run):
+    """A worker that was given up as gone may live, and write the same frame."""
+    writing = [run.folder / f".density.1003.vdb.{who}.tmp" for who in (f"{os.getppid()}@{platform.node()}", "1@other")]
+    for path in writing:
+        path.write_bytes(b"half")
+    run.write_frame(1003, DENSITY, OutputOptions(), {})
+    run.begin(settings(), FACTS, resume=True)
+    assert sorted(run.folder.glob(".*")) == sorted(writing)
 
 
 def test_empty_volumes(run):

@@ -15,7 +15,7 @@ import numpy as np
 
 from warpfluid import __version__
 from warpfluid.errors import describe, writing
-from warpfluid.files.atomic import replacing
+from warpfluid.files.atomic import remove_left, replacing
 from warpfluid.files.folders import check_writable
 from warpfluid.files.lines import append_line, line_of, read_lines
 from warpfluid.files.tables import check_table, write_table
@@ -138,8 +138,7 @@ class Run:
         if overwrite:
             for path in (*self.folder.glob(VOLUMES), *(self.folder / name for name in MADE)):
                 path.unlink(missing_ok=True)
-        for left in self.folder.glob(".*.tmp"):  # of a run that was killed while it wrote them
-            left.unlink(missing_ok=True)
+        remove_left(self.folder)
         kept = self._keep_whole() if resume else {}
         write_table(self.folder / SETTINGS, document)
         return kept
@@ -191,8 +190,7 @@ class Run:
         lost = lost_mass(density, output.drop_below * float(np.abs(density).max()))
         record = {"frame": frame, "file": path.name, **record, "mass_dropped": lost}
         json.dumps(record, allow_nan=False)
-        for left in self.folder.glob(f".{path.name}.*.tmp"):  # of a worker that was killed while it wrote this frame
-            left.unlink(missing_ok=True)
+        remove_left(self.folder, path.name)
         kept = stored(density, output)
         size, width, depth = output.voxel_size, density.shape[0], density.shape[1]
         grids = {

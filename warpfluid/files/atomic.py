@@ -1,5 +1,6 @@
 """Files that appear whole or not at all."""
 
+import glob
 import os
 import platform
 import re
@@ -39,13 +40,14 @@ def replacing(path: str | Path) -> Iterator[BinaryIO]:
         temporary.unlink(missing_ok=True)
 
 
-def remove_left(folder: str | Path) -> None:
+def remove_left(folder: str | Path, name: str | None = None) -> None:
     """Remove the temporary files of processes of this machine that were killed while they wrote.
 
     Args:
         folder: Where they are; those of other machines and of living processes stay.
+        name: Of the file that they were to become; any by default.
     """
-    for path in Path(folder).glob(".*.tmp"):
+    for path in Path(folder).glob(f".{glob.escape(name)}.*.tmp" if name else ".*.tmp"):
         found = _LEFT.fullmatch(path.name)
         if found and found[2] == platform.node() and not _lives(int(found[1])):
             with suppress(OSError):  # another one removes it, too, or may alone
