@@ -9,15 +9,16 @@ import tomllib
 
 import numpy as np
 import pytest
+import tomli_w
 from hypothesis import given
 from hypothesis import settings as examples
 from hypothesis import strategies as st
 from tiny import numbers
 
 from warpfluid.files.lines import read_lines
-from warpfluid.options import InputOptions, OutputOptions, ReconstructOptions
+from warpfluid.options import InputOptions, OutputOptions, ReconstructOptions, Scene, SimulateOptions
 from warpfluid.run import Run
-from warpfluid.settings import Settings
+from warpfluid.settings import Settings, SimulateSettings, check_same, read_settings
 
 DENSITY = np.random.default_rng(3).random((9, 9, 11)).astype(np.float32)
 FACTS = {"device": "cpu", "inputs": {"0": "abc", "90": "def"}}
@@ -82,6 +83,43 @@ def test_a_run_is_continued_only_as_it_was_begun(run, changed, facts, words):
         run.begin(changed, facts, resume=True)
     assert "--overwrite, or another folder with -o" in str(error.value)
     assert {path.name: path.read_bytes() for path in run.folder.iterdir()} == before
+
+
+def lack(run, *lines):
+    """Take options out of ``run.toml``, as an earlier version wrote it."""
+    text = (run.folder / "run.toml").read_text()
+    for line in lines:
+        assert f"\n{line}\n" in text
+        text = text.replace(f"\n{line}\n", "\n")
+    (run.folder / "run.toml").write_text(text.split("\n", 1)[1])  # without the checksum
+
+
+def test_runs_of_earlier_versions_go_on(run):
+    """An option that was not there yet was what the version did; only another choice is refused."""
+    lack(run, 'highpass = "parted"', 'transfer = "histograms"', 'align = "none"')
+    with pytest.raises(ValueError, match=r"else: highpass \(was whole, now parted\);"):
+        run.begin(settings(), FACTS, resume=True)
+    with pytest.raises(ValueError, match=r"else: transfer \(was histograms, now texture-optimization\);"):
+        run.begin(settings(highpass="whole", transfer="texture-optimization"), FACTS, resume=True)
+    assert list(run.begin(settings(highpass="whole"), FACTS, resume=True)) == [1001, 1002]
+    assert run.settings()["reconstruct"]["highpass"] == "whole"
+
+
+def test_simulations_of_earlier_versions(tmp_path):
+    """The same, by the settings that are read again; what is None is in no table, of whatever version."""
+    made = SimulateSettings(
+        source=None, size=(16, 24), simulate=SimulateOptions(), output=OutputOptions(), scene=Scene()
+    ).to_dict()
+    old = made | {"simulate": dict(made["simulate"]), "made-with": {}}
+    for name in ("detail", "blend_apart", "liquid_surface"):
+        del old["simulate"][name]
+    (tmp_path / "run.toml").write_text(tomli_w.dumps(old))
+    old = read_settings(tmp_path / "run.toml")
+    check_same(tmp_path, old, made | {"simulate": made["simulate"] | {"blend_apart": 1.0, "liquid_surface": 0.0}})
+    with pytest.raises(ValueError, match=r"blend-apart \(was 1.0, now 2.0\), liquid-surface \(was 0.0, now 1.0\);"):
+        check_same(tmp_path, old, made)
+    with pytest.raises(ValueError, match=r"fidelity \(was None, now 0.5\)"):
+        check_same(tmp_path, old, made | {"simulate": made["simulate"] | {"fidelity": 0.5}})
 
 
 def test_what_may_change(run):

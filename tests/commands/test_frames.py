@@ -103,3 +103,15 @@ def test_pictures_of_made_frames_that_went(tmp_path, flags):
     assert run("reconstruct", "-o", tmp_path / "run", "--resume", "--frames", "5-6") == 0
     assert volumes(tmp_path / "run").items() > whole.items()
     assert [record["before"] for record in Run(tmp_path / "run").records().values()][4:] == [None, 5]
+
+
+def test_a_run_of_an_earlier_version_goes_on(tmp_path, flags):
+    """Without a flag it goes on as it was made, not as today's default has it."""
+    assert run("reconstruct", *flags, "--highpass", "whole", "--frames", "1-2", "-o", tmp_path / "run") == 0
+    told = tmp_path / "run" / "run.toml"
+    text = told.read_text().split("\n", 1)[1]  # without the checksum
+    assert 'highpass = "whole"\n' in text
+    told.write_text(text.replace('highpass = "whole"\n', ""))
+    assert run("reconstruct", "-o", tmp_path / "run", "--resume", "--frames", "1-3") == 0
+    assert run("reconstruct", *flags, "--highpass", "whole", "--frames", "1-3", "-o", tmp_path / "whole") == 0
+    assert volumes(tmp_path / "run") == volumes(tmp_path / "whole")

@@ -22,6 +22,7 @@ from warpfluid.options import (
     SimulateOptions,
 )
 from warpfluid.options.scene import make_thing
+from warpfluid.settings.earlier import fill_earlier
 
 SMALLEST = 8  # voxels of a side of an empty box
 OF_RUNS = {
@@ -44,6 +45,8 @@ SECTIONS = OF_RUNS | {
 def read_settings(path: str | Path) -> dict:
     """Read ``run.toml`` or a configuration file and check its names and values.
 
+    Options that the version of a run lacked have the values that they had in effect, see ``fill_earlier``.
+
     Raises:
         ValueError: If it is no TOML, or anything in it is unknown or wrong; one line each.
     """
@@ -57,7 +60,7 @@ def read_settings(path: str | Path) -> dict:
     for name, value in document.items():
         problems.attempt(_check_entry, name, value, where=f"{path}: ")
     problems.raise_if_any()
-    return document
+    return fill_earlier(document)
 
 
 def _check_entry(name: str, value: object) -> None:

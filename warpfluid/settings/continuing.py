@@ -6,6 +6,7 @@ from warpfluid.errors import changed_since
 from warpfluid.files.sequences import format_frames, parse_frames
 from warpfluid.options import THINGS
 from warpfluid.settings.configuration import OF_RUNS
+from warpfluid.settings.earlier import with_defaults
 
 FREE = ("frames", "turntable", "report", "look")  # what may change when a run is continued
 
@@ -28,8 +29,9 @@ def check_same(folder: Path, old: dict, new: dict) -> None:
     if old.get("source") != new.get("source") or old.get("size") != new.get("size"):
         changed.append(f"the source (was {old.get('source') or old.get('size')})")
     changed += [f"[[{kind}]]" for kind in THINGS if old.get(kind, []) != new.get(kind, [])]
-    for name in OF_RUNS:
-        before, after = old.get(name, {}), new.get(name, {})
+    for name, kind in OF_RUNS.items():
+        # what an earlier version lacked
+        before, after = (with_defaults(document[name], kind) if name in document else {} for document in (old, new))
         changed += [
             f"{key.replace('_', '-')} (was {before.get(key)}, now {after.get(key)})"
             for key in sorted({*before, *after} - {*FREE})
