@@ -1,11 +1,14 @@
 """OpenEXR pictures."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import OpenEXR
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from warpfluid.files import limits
 from warpfluid.files.exr import read_exr, write_exr
 
 
@@ -168,6 +171,56 @@ def test_an_absurd_size_is_refused(tmp_path):
     write_windows(tmp_path / "a.exr", picture(), (0, 0), ((0, 0), (2_000_000, 2_000_000)))
     with pytest.raises(ValueError, match="displayWindow is 2000001 x 2000001"):
         read_exr(tmp_path / "a.exr")
+
+
+def write_flat(path, size, names="RGBA", display=None, compression=OpenEXR.DWAA_COMPRESSION):
+    """Write black channels of some size, which hardly take room."""
+    header = {"compression": compression, "type": OpenEXR.scanlineimage}
+    if display:
+        header["displayWindow"] = tuple(np.array(corner, np.int32) for corner in ((0, 0), np.subtract(display, 1)))
+    black = np.zeros(size[::-1], np.float16)
+    OpenEXR.File(header, dict.fromkeys(names, black)).write(str(path))
+
+
+def test_a_cropped_frame_fills_any_display(tmp_path):
+    """Renderers crop black frames to one pixel, whatever else they hold."""
+    names = ["R", "G", "B", "A", *(f"shadow.{number}" for number in range(20))]
+    write_flat(tmp_path / "a.exr", (1, 1), names, (4096, 2160))
+    found = read_exr(tmp_path / "a.exr")
+    assert found.shape == (2160, 4096, 3)
+    assert not found.any()
+
+
+@pytest.mark.parametrize(("count", "allowed"), [(4, True), (80, False)])
+def test_flat_frames_may_be_small_for_their_size(tmp_path, monkeypatch, count, allowed):
+    """8K of RGBA is told from what no file of that size holds; the pixels are not read here."""
+    header = {
+        "dataWindow": ((0, 0), (7679, 4319)),
+        "displayWindow": ((0, 0), (7679, 4319)),
+        "channels": [None] * count,
+    }
+    parts = [SimpleNamespace(header=header)]
+    (tmp_path / "a.exr").write_bytes(b"\x76\x2f\x31\x01")
+    monkeypatch.setattr(OpenEXR, "File", lambda *_, **__: SimpleNamespace(parts=parts))
+    monkeypatch.setattr("warpfluid.files.exr._picture", lambda parts: parts)
+    if allowed:
+        assert read_exr(tmp_path / "a.exr") is parts
+    else:
+        with pytest.raises(ValueError, match="it promises 10617 MB"):
+            read_exr(tmp_path / "a.exr")
+
+
+def test_the_parts_of_a_file_count_together(tmp_path, monkeypatch):
+    """Each is allowed alone; all are read."""
+    write_flat(tmp_path / "a.exr", (40, 30))
+    part = OpenEXR.File(str(tmp_path / "a.exr")).parts[0]
+    many = [OpenEXR.Part(dict(part.header), {"RGBA": np.zeros((30, 40, 4), np.float16)}, f"p{n}") for n in range(3)]
+    OpenEXR.File(many).write(str(tmp_path / "b.exr"))
+    monkeypatch.setattr(limits, "MOST_A_BYTE", 0)
+    monkeypatch.setattr("warpfluid.files.exr.FLAT_PICTURE", 2 * 40 * 30 * 16)
+    assert read_exr(tmp_path / "a.exr").shape == (30, 40, 3)
+    with pytest.raises(ValueError, match="promises"):
+        read_exr(tmp_path / "b.exr")
 
 
 def test_what_is_no_exr_is_refused(tmp_path):

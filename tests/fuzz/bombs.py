@@ -91,8 +91,8 @@ def vti_bombs():
 
 
 def picture_bombs():
-    """Sizes of 8000 x 8000, just below what is allowed, and of 60000 x 60000."""
-    header = b"IHDR" + struct.pack(">IIBBBBB", 8000, 8000, 8, 6, 0, 0, 0)
+    """Sizes of 8000 x 8000 where no flat picture is that small, else of 9000 x 9000, and of 60000 x 60000."""
+    header = b"IHDR" + struct.pack(">IIBBBBB", 9000, 9000, 8, 6, 0, 0, 0)
     png = FILES.PNG + struct.pack(">I", 13) + header + struct.pack(">I", zlib.crc32(header))
     packed = b"IDAT" + zlib.compress(bytes(400_000))
     png += struct.pack(">I", len(packed) - 4) + packed + struct.pack(">I", zlib.crc32(packed))
@@ -102,7 +102,7 @@ def picture_bombs():
     bmp = bytearray(sound("image", 4))
     bmp[18:26] = struct.pack("<ii", 8000, 8000)
     sides = rb"([\x00\x01]\x01[\x03\x04]\x00\x01\x00\x00\x00)[\x1a\x14]\x00"
-    tiff, count = re.subn(sides, lambda found: found[1] + struct.pack("<H", 8000), sound("image", 8), count=2)
+    tiff, count = re.subn(sides, lambda found: found[1] + struct.pack("<H", 9000), sound("image", 8), count=2)
     assert count == 2
     exr = sound("exr", 2)
     window = struct.pack("<4i", 0, 0, 25, 19)
@@ -112,7 +112,7 @@ def picture_bombs():
         "a.jpg": bytes(jpeg),
         "a.bmp": bytes(bmp),
         "a.tif": tiff,
-        "half.exr": replaced(exr, window, struct.pack("<4i", 0, 0, 7999, 7999)),
+        "half.exr": replaced(exr, window, struct.pack("<4i", 0, 0, 8999, 8999)),
         "huge.exr": replaced(exr, window, struct.pack("<4i", 0, 0, 2**30, 2**30)),
         "long.hdr": head + b"\1\1\1\xff" * 4,
         "huge.hdr": head.replace(b"-Y 1 +X 60000000", b"-Y 60000 +X 60000"),

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from warpfluid.files.atomic import replacing
-from warpfluid.files.limits import check_pixels
+from warpfluid.files.limits import FLAT_PICTURE, check_promise, check_sides
 from warpfluid.files.quiet import quiet
 
 LARGEST_HALF = 65504.0
@@ -37,8 +37,8 @@ def read_exr(path: str | Path) -> np.ndarray:
             raise ValueError(f"{path} is empty or no OpenEXR file")
     try:
         with quiet():
-            for part in OpenEXR.File(str(path), header_only=True).parts:
-                _check_size(part.header, os.path.getsize(path))
+            headers = [part.header for part in OpenEXR.File(str(path), header_only=True).parts]
+            check_promise(sum(map(_promised, headers)), os.path.getsize(path), FLAT_PICTURE)
             parts = OpenEXR.File(str(path), separate_channels=True).parts
             return _picture(parts)
     except Exception as error:  # damaged files fail in many ways
@@ -81,14 +81,15 @@ def _window(header: dict, name: str) -> tuple[int, int, int, int]:
     return left, top, right - left + 1, bottom - top + 1
 
 
-def _check_size(header: dict, size: int) -> None:
-    """Refuse a file that would take all memory before its pixels are read."""
-    channels, tiles = max(len(header["channels"]), 1), header.get("tiles")
-    for name in ("dataWindow", "displayWindow"):
-        _, _, width, height = _window(header, name)
-        check_pixels(width, height, channels, size, f"its {name}")
-    if tiles is not None:  # a tile is opened whole, however little of it lies in the picture
-        check_pixels(tiles.xSize, tiles.ySize, channels, size, "its tile")
+def _promised(header: dict) -> int:
+    """Return what the pixels of a part take [byte]; refuse what is too large."""
+    sizes = {name: _window(header, name)[2:] for name in ("dataWindow", "displayWindow")}
+    if header.get("tiles") is not None:  # one is opened whole, however little of it lies in the picture
+        sizes["tile"] = (header["tiles"].xSize, header["tiles"].ySize)
+    for name, size in sizes.items():
+        check_sides(*size, f"its {name}")
+    del sizes["displayWindow"]  # only what is shown of the picture fills it, not all channels
+    return 4 * max(len(header["channels"]), 1) * max(width * height for width, height in sizes.values())
 
 
 def _picture(parts: list) -> np.ndarray:
