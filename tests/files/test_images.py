@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from warpfluid.files.exr import write_exr
-from warpfluid.files.images import IMAGE_SUFFIXES, decode_image, read_image, to_light, write_png
+from warpfluid.files.images import IMAGE_SUFFIXES, _decode, decode_image, read_image, to_light, write_png
 
 
 def samples(dtype, channels=3, rows=9, columns=13):
@@ -257,6 +257,22 @@ def test_damaged_files_end_in_a_value_error_if_at_all(tmp_path_factory, data):
     except ValueError as found:
         error = found
     assert error is None or str(path) in str(error)
+
+
+@pytest.mark.parametrize(
+    ("suffix", "mode", "size", "options"),
+    [
+        (".webp", "RGB", (5120, 2880), {"lossless": True}),
+        (".png", "1", (8192, 8192), {}),
+        (".tif", "1", (8192, 8192), {"compression": "group4"}),
+    ],
+)
+def test_large_pictures_of_one_colour_are_read(tmp_path, suffix, mode, size, options):
+    """They are a few bytes for megapixels, and no trap."""
+    Image.new(mode, size).save(tmp_path / f"a{suffix}", **options)
+    data = (tmp_path / f"a{suffix}").read_bytes()
+    assert len(data) < 10_000
+    assert _decode(data, suffix).shape[:2] == size[::-1]
 
 
 @pytest.mark.parametrize("bits", [8, 16])

@@ -15,7 +15,7 @@ import numpy as np
 
 from warpfluid.files.atomic import replacing
 from warpfluid.files.exr import read_exr
-from warpfluid.files.limits import check_pixels
+from warpfluid.files.limits import FLAT_PICTURE, SMALL, check_pixels
 from warpfluid.files.quiet import quiet
 
 IMAGE_SUFFIXES = (".bmp", ".exr", ".jpeg", ".jpg", ".png", ".tif", ".tiff", ".webp")
@@ -24,6 +24,7 @@ HEAD = 256  # bytes of a picture in which its title stands
 
 # Pillow goes by what is in a file, and has formats that it opens with other programs.
 PILLOW_FORMATS = ("BMP", "JPEG", "PNG", "TIFF", "WEBP")
+FLAT_FORMATS = ("PNG", "WEBP", "TIFF")  # that store one colour in next to nothing
 
 Depth = Literal["8 bit", "16 bit", "float"]
 
@@ -161,7 +162,8 @@ def _decode_with_pillow(data: bytes) -> np.ndarray:
     from PIL import Image, ImageOps
 
     with Image.open(BytesIO(data), formats=PILLOW_FORMATS) as image:
-        check_pixels(*image.size, len(image.getbands()), len(data))
+        small = FLAT_PICTURE if image.format in FLAT_FORMATS else SMALL
+        check_pixels(*image.size, len(image.getbands()), len(data), small)
         if image.format in ("PNG", "WEBP") and getattr(image, "is_animated", False):
             raise ValueError("it is an animation: convert it to a video or to numbered images")
         if image.mode == "F" or image.mode.startswith("I;16"):
@@ -175,7 +177,8 @@ def _decode_deep_png(data: bytes) -> np.ndarray:
     """Decode a PNG of 16 bits with FFmpeg's decoder, whose planes hold the very samples of the file."""
     import av
 
-    check_pixels(*struct.unpack(">II", data[16:24]), {0: 1, 2: 3, 4: 2}.get(data[25], 4), len(data))
+    channels = {0: 1, 2: 3, 4: 2}.get(data[25], 4)
+    check_pixels(*struct.unpack(">II", data[16:24]), channels, len(data), FLAT_PICTURE)
     frames = av.CodecContext.create("png", "r").decode(av.Packet(data))
     if not frames:
         raise ValueError("the file is cut off")
@@ -194,7 +197,8 @@ def _decode_tiff(data: bytes) -> np.ndarray:
         if not len(file.pages):
             raise ValueError("the file is cut off")
         page = file.pages[0]
-        check_pixels(page.imagewidth, page.imagelength * page.imagedepth, page.samplesperpixel, len(data))
+        rows = page.imagelength * page.imagedepth
+        check_pixels(page.imagewidth, rows, page.samplesperpixel, len(data), FLAT_PICTURE)
         deep_grey = page.samplesperpixel == 1 and page.dtype in (np.uint16, np.float32)
         if page.bitspersample <= 8 or deep_grey:
             logging.getLogger("PIL").setLevel(logging.CRITICAL)
