@@ -238,6 +238,21 @@ def test_what_is_no_video_is_refused(tmp_path, capfd, content):
     assert capfd.readouterr() == ("", "")
 
 
+def test_a_short_flat_clip_of_6k_is_read(tmp_path):
+    """Black frames take a few kilobytes, and no more is wrong with them."""
+    with av.open(str(tmp_path / "a.mp4"), "w") as container:
+        stream = container.add_stream("libx264", rate=24)
+        stream.width, stream.height, stream.pix_fmt = 6016, 3392, "yuv420p"
+        stream.options = {"preset": "veryfast"}
+        black = av.VideoFrame(6016, 3392, "yuv420p")
+        for plane, level in zip(black.planes, (16, 128, 128), strict=True):
+            plane.update(bytes([level]) * plane.buffer_size)
+        container.mux(stream.encode(black))
+        container.mux(stream.encode(None))
+    assert (tmp_path / "a.mp4").stat().st_size < 12_000
+    assert Video(tmp_path / "a.mp4").size == (6016, 3392)
+
+
 def test_a_missing_video_is_an_os_error(tmp_path):
     """The error names the file."""
     with pytest.raises(FileNotFoundError, match=r"a\.mp4"):

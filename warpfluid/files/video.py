@@ -11,7 +11,7 @@ import numpy as np
 
 from warpfluid.files.atomic import replacing
 from warpfluid.files.images import Depth, to_light
-from warpfluid.files.limits import MOST_A_BYTE, MOST_PIXELS, SMALL, check_pixels
+from warpfluid.files.limits import MOST_PIXELS, check_sides
 
 VIDEO_SUFFIXES = (
     *(".avi", ".flv", ".gif", ".m2ts", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg"),
@@ -20,7 +20,6 @@ VIDEO_SUFFIXES = (
 # FFmpeg goes by what is in a file, which may be a list of other files and addresses: kinds that hold pictures only.
 KINDS = "asf,avi,flv,gif,matroska,webm,mov,mp4,m4a,3gp,3g2,mj2,mpeg,mpegts,mpegvideo,mxf,ogg"
 SAFE = {"protocol_whitelist": "file", "format_whitelist": KINDS}
-PIXEL_BYTES = 12  # of three floats
 HD_ROWS = 720  # from here on, untagged colours are those of BT.709
 UNSPECIFIED, BT709, LIMITED_RANGE = 2, 1, 1  # as H.273 numbers them, and FFmpeg
 QUALITY = "16"  # constant rate factor of x264: no difference to be seen
@@ -107,7 +106,6 @@ class Video:
 
         with self.path.open("rb"):  # what cannot be opened at all is Python's error
             pass
-        room = (SMALL + MOST_A_BYTE * self.path.stat().st_size) // PIXEL_BYTES
         try:
             container = av.open(f"file:{self.path}", metadata_errors="ignore", options=SAFE)
         except av.FFmpegError as error:
@@ -118,7 +116,7 @@ class Video:
         if container.streams.video[0].codec_context is None:
             container.close()
             raise ValueError(f"{self.path} holds video of an unknown kind: convert it to H.264 or ProRes")
-        container.streams.video[0].codec_context.options = {"max_pixels": str(min(MOST_PIXELS, room))}
+        container.streams.video[0].codec_context.options = {"max_pixels": str(MOST_PIXELS)}
         container.streams.video[0].thread_type = "AUTO"
         return container
 
@@ -164,7 +162,7 @@ class Video:
         import av
 
         try:
-            check_pixels(frame.width, frame.height, 3, self.path.stat().st_size)
+            check_sides(frame.width, frame.height)
         except ValueError as error:
             raise ValueError(f"{self.path} cannot be read: {error}") from error
         parts = frame.format.components
