@@ -1,5 +1,7 @@
 """OpenEXR pictures."""
 
+import subprocess
+import sys
 from types import SimpleNamespace
 
 import numpy as np
@@ -164,6 +166,19 @@ def test_others_may_print_while_a_file_is_read(tmp_path, capfd):
     read_exr(tmp_path / "a.exr")
     print("here")
     assert capfd.readouterr() == ("here\n", "")
+
+
+@pytest.mark.parametrize("closed", ["2>&-", ">&- 2>&-", "2>/dev/null"])
+def test_closed_streams_do_not_matter(tmp_path, closed):
+    """Schedulers and services start programs without any."""
+    write_exr(tmp_path / "a.exr", {"RGB": picture()})
+    program = f"""
+import sys
+from warpfluid.files.exr import read_exr
+sys.exit(0 if read_exr({str(tmp_path / "a.exr")!r}).shape == (7, 11, 3) else 3)
+"""
+    command = f'exec "$0" -c "$1" {closed}'
+    assert subprocess.run(["sh", "-c", command, sys.executable, program], timeout=60, check=False).returncode == 0
 
 
 def test_an_absurd_size_is_refused(tmp_path):
