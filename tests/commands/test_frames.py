@@ -115,3 +115,20 @@ def test_a_run_of_an_earlier_version_goes_on(tmp_path, flags):
     assert run("reconstruct", "-o", tmp_path / "run", "--resume", "--frames", "1-3") == 0
     assert run("reconstruct", *flags, "--highpass", "whole", "--frames", "1-3", "-o", tmp_path / "whole") == 0
     assert volumes(tmp_path / "run") == volumes(tmp_path / "whole")
+
+
+def test_parts_that_do_not_fade_are_named(tmp_path, flags, capsys):
+    """Frames of an earlier part that would fade into the one that comes are told, with the way to make them."""
+    how = ("--piece", "3", "--overlap", "2")
+    go_on = ("reconstruct", "-o", tmp_path / "run", "--resume")
+    assert run("reconstruct", *flags, *how, "--frames", "1-3", "-o", tmp_path / "run") == 0
+    assert "to make them, too" not in capsys.readouterr().err
+    for _ in range(2):  # told again when nothing lacks
+        assert run(*go_on, "--frames", "4-6") == 0
+        told = capsys.readouterr().err
+        assert "frames 2-3 are kept, but would be made otherwise" in told
+        assert f"to make them, too: warpfluid reconstruct -o {tmp_path / 'run'} --resume --frames 2-3\n" in told
+    assert run(*go_on, "--frames", "2-3") == 0
+    assert "to make them, too" not in capsys.readouterr().err
+    assert run("reconstruct", *flags, *how, "-o", tmp_path / "whole") == 0
+    assert volumes(tmp_path / "run") == volumes(tmp_path / "whole")

@@ -117,8 +117,19 @@ def _plan(work: Work, log: Progress) -> tuple[list[int], list[Chain]]:
     frames = pieces.to_make(wanted, known, records)
     if len(frames) < len(wanted):
         log.line(f"resume  {len(wanted) - len(frames)} of {len(wanted)} frames are there")
+    others = [frame for frame in pieces.to_make(known, known, records) if frame not in wanted]
+    if others:
+        log.notes([_name_others(others, work.run)])
     groups = [group for group in pieces.chains(known) if not set(frames).isdisjoint(group)]
     return frames, [frame_chain(pieces, group, wanted, known, records, forget) for group in groups]
+
+
+def _name_others(frames: list[int], run: Run) -> str:
+    """Return what is to be said of frames that are there, and go otherwise with what is asked for now."""
+    named = format_frames(frames)
+    which = f"frames {named} are" if len(frames) > 1 else f"frame {named} is"
+    go_on = f"warpfluid reconstruct -o {run.folder} --resume --frames {named}"
+    return f"{which} kept, but would be made otherwise beside those that are asked for now; to make them, too: {go_on}"
 
 
 def _open(work: Work, asked: Asked, device, tasks: int, bar: FrameBar, log: Progress):
