@@ -90,6 +90,47 @@ def test_refuses_what_is_cut_off(share, tmp_path):
         read_mesh(tmp_path / "box.stl")
 
 
+@pytest.mark.parametrize("after", [b"\0", b"\r\n", b"made by somebody" * 20])
+def test_reads_stl_with_bytes_behind_it(after, tmp_path):
+    """Some programs leave them; every triangle is there."""
+    write_stl(tmp_path / "box.stl")
+    with (tmp_path / "box.stl").open("ab") as file:
+        file.write(after)
+    assert weigh(*read_mesh(tmp_path / "box.stl")).volume == pytest.approx(24)
+
+
+L_SHAPE = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 3), (0, 3)]
+COMB = [(0, 0), (5, 0), (5, 3), (4, 3), (4, 1), (3, 1), (3, 3), (2, 3), (2, 1), (1, 1), (1, 3), (0, 3)]
+
+
+def area(vertices, triangles):
+    """Return the sum of all triangles' areas."""
+    a, b, c = vertices[triangles].astype(np.float64).transpose(1, 0, 2)
+    return np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
+
+
+@pytest.mark.parametrize(("outline", "size", "around"), [(L_SHAPE, 4, 10), (COMB, 11, 24)])
+@pytest.mark.parametrize("turn", range(12))
+def test_faces_that_turn_back_stay_within(outline, size, around, turn, tmp_path):
+    """A prism over an outline that is not convex, from every corner on, in every direction; areas add up."""
+    count, first = len(outline), turn % len(outline)
+    flat = np.array([*outline[first:], *outline[:first]], float)
+    prism = np.concatenate([np.insert(flat, 2, height, axis=1) for height in (0, 1)])
+    prism = np.roll(prism, turn, axis=1) * (1 if turn % 2 else -1)
+    faces = [range(count - 1, -1, -1), range(count, 2 * count)]
+    faces += [(k, (k + 1) % count, (k + 1) % count + count, k + count) for k in range(count)]
+    lines = [f"v {x} {y} {z}" for x, y, z in prism] + ["vt 0 0"]
+    lines += [
+        "f " + " ".join(f"{corner - 2 * count if turn % 3 else corner + 1}/1" for corner in face) for face in faces
+    ]
+    (tmp_path / "prism.obj").write_text("\n".join(lines) + "\n")
+    vertices, triangles = read_mesh(tmp_path / "prism.obj")
+    check_closed(vertices, triangles)
+    assert abs(weigh(vertices, triangles).volume) == pytest.approx(size)
+    assert area(vertices, triangles) == pytest.approx(2 * size + around)
+    assert len(triangles) == 2 * (count - 2) + 2 * count
+
+
 def test_missing_file_is_an_os_error(tmp_path):
     """It has the file's name."""
     with pytest.raises(FileNotFoundError, match="car"):

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from warpfluid.files.polygons import cut_obj
+
 MESH_SUFFIXES = (".obj", ".stl", ".ply")
 NEAR = 1e-6  # of the mesh's size; vertices nearer than this are one, for STL repeats them for every triangle
 
@@ -48,8 +50,7 @@ def _parse(data: bytes, ending: str) -> tuple[np.ndarray, np.ndarray]:
     import trimesh
 
     logging.getLogger("trimesh").setLevel(logging.CRITICAL)  # its complaints become the one error of ours
-    if ending == ".stl" and not _is_whole_stl(data):
-        raise ValueError("it is cut off")
+    data = {".stl": _whole_stl, ".obj": cut_obj}.get(ending, bytes)(data)
     with np.errstate(all="ignore"):
         found = trimesh.load_mesh(io.BytesIO(data), file_type=ending[1:], process=False, skip_materials=True)
         vertices = np.array(found.vertices, np.float32).reshape(-1, 3)
@@ -61,9 +62,14 @@ def _parse(data: bytes, ending: str) -> tuple[np.ndarray, np.ndarray]:
     return vertices, triangles.astype(np.int32)
 
 
-def _is_whole_stl(data: bytes) -> bool:
-    """Return whether a file has as many triangles as its head says, or as text its last line."""
-    return len(data) == 84 + 50 * int.from_bytes(data[80:84], "little") or b"endsolid" in data[-200:].lower()
+def _whole_stl(data: bytes) -> bytes:
+    """Return a file up to the last triangle that its head tells of; text must have its last line."""
+    if b"endsolid" in data[-200:].lower():
+        return data
+    end = 84 + 50 * int.from_bytes(data[80:84], "little")
+    if len(data) < end:
+        raise ValueError("it is cut off")
+    return data[:end]
 
 
 def _join(vertices: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
