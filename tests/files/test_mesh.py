@@ -131,6 +131,25 @@ def test_faces_that_turn_back_stay_within(outline, size, around, turn, tmp_path)
     assert len(triangles) == 2 * (count - 2) + 2 * count
 
 
+@pytest.mark.parametrize("kind", ["ascii", "binary_little_endian"])
+@pytest.mark.parametrize("word", ["vertex_indices", "vertex_index"])
+def test_faces_of_ply_stay_within(kind, word, tmp_path):
+    """As of .obj files, as text and in bytes; alone, and beside triangles in text."""
+    head = f"ply\nformat {kind} 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n"
+    places = np.insert(np.roll(L_SHAPE, 2, axis=0).astype("<f4"), 2, 0, axis=1)
+    more = [(0, 1, 2)] if kind == "ascii" else []
+    head += f"element face {2 + len(more)}\nproperty list uchar int {word}\nend_header\n"
+    faces = [range(6), range(5, -1, -1), *more]
+    if kind == "ascii":
+        body = "\n".join(" ".join(map(str, row)) for row in [*places, *((len(face), *face) for face in faces)]).encode()
+    else:
+        body = places.tobytes() + b"".join(struct.pack("<B6i", 6, *face) for face in faces)
+    (tmp_path / "l.ply").write_bytes(head.encode() + body)
+    a, b, c = places[:3]
+    extra = np.linalg.norm(np.cross(b - a, c - a)) / 2 if more else 0
+    assert area(*read_mesh(tmp_path / "l.ply")) == pytest.approx(8 + extra)
+
+
 def test_missing_file_is_an_os_error(tmp_path):
     """It has the file's name."""
     with pytest.raises(FileNotFoundError, match="car"):

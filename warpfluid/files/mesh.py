@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from warpfluid.files.polygons import cut_obj
+from warpfluid.files.polygons import cut_obj, cut_ply
 
 MESH_SUFFIXES = (".obj", ".stl", ".ply")
 NEAR = 1e-6  # of the mesh's size; vertices nearer than this are one, for STL repeats them for every triangle
@@ -55,6 +55,9 @@ def _parse(data: bytes, ending: str) -> tuple[np.ndarray, np.ndarray]:
         found = trimesh.load_mesh(io.BytesIO(data), file_type=ending[1:], process=False, skip_materials=True)
         vertices = np.array(found.vertices, np.float32).reshape(-1, 3)
     triangles = np.array(getattr(found, "faces", ()), np.int64).reshape(-1, 3)  # points alone have none
+    cut = cut_ply(found.metadata.get("_ply_raw", {})) if ending == ".ply" and len(triangles) else None
+    if cut:
+        vertices, triangles = cut[0].astype(np.float32), cut[1]
     if triangles.size and not 0 <= triangles.min() <= triangles.max() < len(vertices):
         raise ValueError("its corners are not all there")
     if not len(vertices) and not re.search(rb"^v\s", data, re.MULTILINE):  # of points alone nothing is read

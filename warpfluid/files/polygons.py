@@ -72,6 +72,46 @@ def cut_obj(data: bytes) -> bytes:
     return b"\n".join(lines)
 
 
+def cut_ply(raw: dict) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return vertices and triangles of the elements of a .ply file; None if no face turns back at a corner.
+
+    Args:
+        raw: The elements ``vertex`` and ``face``, their properties under ``data``, as trimesh keeps them.
+    """
+    data = raw.get("face", {}).get("data")
+    names = getattr(data, "keys", lambda: getattr(getattr(data, "dtype", None), "names", None) or ())()
+    name = next((name for name in ("vertex_indices", "vertex_index") if name in names), None)
+    if name is None:
+        return None
+    column = data[name]
+    lists = column["f1"] if getattr(column, "dtype", np.dtype(int)).names else column
+    if np.ndim(lists) == 2 and np.shape(lists)[1] == 3:
+        return None
+    faces = [np.asarray(face, np.int64).reshape(-1) for face in lists]
+    places = np.column_stack([raw["vertex"]["data"][axis] for axis in "xyz"]).astype(np.float64)
+    concave = _concave_rows(faces, places)
+    if not concave:
+        return None
+    cut = [
+        clip_ears(places[face]) if row in concave else [(0, at, at + 1) for at in range(1, len(face) - 1)]
+        for row, face in enumerate(faces)
+    ]
+    triangles = [face[np.array(part)] for face, part in zip(faces, cut, strict=True) if part]
+    return places, np.concatenate(triangles)
+
+
+def _concave_rows(faces: list[np.ndarray], places: np.ndarray) -> set[int]:
+    """Return the numbers of the faces that turn back at a corner."""
+    sizes: dict[int, list[int]] = {}
+    for row, face in enumerate(faces):
+        if len(face) > 3:
+            sizes.setdefault(len(face), []).append(row)
+    found = set()
+    for rows in sizes.values():
+        found.update(np.array(rows)[is_concave(places[np.array([faces[row] for row in rows])])].tolist())
+    return found
+
+
 def _normals(faces: np.ndarray) -> np.ndarray:
     """Return twice the area of each face along its normal (Newell), shape (face, 3)."""
     from_first = faces - faces[:, :1]
