@@ -62,3 +62,13 @@ def volume_file(tmp_path_factory):
     path = tmp_path_factory.mktemp("volumes") / "a.1.npz"
     write_npz(path, np.ones((8, 8, 8), np.float32))
     return path
+
+
+@pytest.mark.skipif(not hasattr(os, "waitid"), reason="needs processes that have ended and are not waited for")
+def test_what_a_process_left_that_nobody_waits_for(tmp_path):
+    """It has a number still, in a container without init for ever, and writes no more."""
+    with subprocess.Popen([sys.executable, "-c", ""]) as process:
+        os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)
+        (tmp_path / f".a.png.{process.pid}@{platform.node()}.tmp").touch()
+        remove_left(tmp_path)
+        assert not list(tmp_path.iterdir())

@@ -64,4 +64,6 @@ def _lives(process: int) -> bool:
         return False
     except (OSError, OverflowError):
         return True
+    with suppress(OSError):  # one that has ended keeps its number until somebody waits for it
+        return not Path(f"/proc/{process}/stat").read_text(errors="replace").rpartition(")")[2].startswith(" Z")
     return True
