@@ -54,6 +54,15 @@ def test_no_flip_changes_settings(tmp_path_factory, place, bit):
     assert same == document
 
 
+def test_a_line_that_ends_elsewhere_is_refused(tmp_path):
+    """A flip in its end would make the first setting a part of the comment."""
+    write_table(tmp_path / "run.toml", {"a": 1, "b": 2})
+    data = (tmp_path / "run.toml").read_bytes()
+    (tmp_path / "run.toml").write_bytes(data.replace(b"\n", b"\t", 1))
+    with pytest.raises(ValueError, match="checksum does not fit"):
+        check_table(tmp_path / "run.toml")
+
+
 def _is_good(path) -> bool:
     try:
         check_table(path)

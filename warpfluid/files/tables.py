@@ -1,6 +1,5 @@
 """Tables of settings as TOML, whose first line is a checksum of the others."""
 
-import re
 import zlib
 from pathlib import Path
 
@@ -32,8 +31,8 @@ def check_table(path: str | Path) -> None:
     head, _, text = Path(path).read_bytes().partition(b"\n")
     if not text.strip():
         raise ValueError(f"{path} is empty or cut off: bring it back as it was, or begin anew with --overwrite")
-    told = re.fullmatch(re.escape(HEAD.encode()) + rb"([0-9a-f]{8})\r?", head)
-    if told and int(told[1], 16) != zlib.crc32(text):
+    told = head.removeprefix(HEAD.encode())
+    if told != head and told.removesuffix(b"\r") != f"{zlib.crc32(text):08x}".encode():
         raise ValueError(
             f"{path} was changed or is damaged, its checksum does not fit: bring it back as it was, "
             "or begin anew with --overwrite"
