@@ -64,6 +64,14 @@ def test_wrong_values(tmp_path, monkeypatch, capsys, name, value, message):
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize("flags", [{"jobs": "2"}, {"cluster": "tcp://a:1"}])
+def test_a_flag_sets_aside_what_is_wrong(monkeypatch, flags):
+    """Nobody is stopped by what does not count."""
+    monkeypatch.setenv("WARPFLUID_JOBS", "many")
+    machine = make_machine(flags)
+    assert {name: getattr(machine, name) for name in flags} == flags
+
+
 def test_jobs_of_a_file(tmp_path, capsys):
     """A number or a text; anything else is refused with the file and the table."""
     (tmp_path / "c.toml").write_text("[machine]\njobs = 1.5\n")

@@ -10,6 +10,7 @@ from warpfluid.cluster.here import Here
 from warpfluid.cluster.spread import Job, Pool
 from warpfluid.cluster.workforce import PROCESS_BYTES, make_workforce
 from warpfluid.device import compile_kernels, gpus
+from warpfluid.options import MachineOptions
 from warpfluid.options.machine import parse_jobs
 
 if TYPE_CHECKING:
@@ -36,9 +37,7 @@ class Asked:
     farm: "Farm | None" = None
 
     def __post_init__(self):
-        parse_jobs(self.jobs)
-        if self.cluster and self.jobs != "1":
-            raise ValueError("--jobs is for this machine and --cluster for others: choose one of them")
+        MachineOptions(jobs=self.jobs, device=self.device, cluster=self.cluster)
 
     @property
     def is_alone(self) -> bool:

@@ -1,7 +1,7 @@
 """Who computes: flags over the environment over a configuration file over the defaults."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 from warpfluid.errors import Problems
 from warpfluid.options import MachineOptions
@@ -10,13 +10,17 @@ from warpfluid.options.machine import VARIABLES
 WHO = {"jobs", "cluster"}  # of these one counts, wherever it is named
 
 
-def read_environment() -> dict[str, str]:
+def read_environment(settled: Collection[str] = ()) -> dict[str, str]:
     """Return what the environment says of ``MachineOptions``; what is empty says nothing.
+
+    Args:
+        settled: Options that a flag has decided, which are not looked at.
 
     Raises:
         ValueError: If a value is wrong; one line each.
     """
     found = {name: os.environ[variable] for name, variable in VARIABLES.items() if os.environ.get(variable)}
+    found = {name: value for name, value in found.items() if name not in settled}
     problems = Problems()
     for name, value in found.items():
         problems.attempt(lambda n=name, v=value: MachineOptions(**{n: v}), where=f"{VARIABLES[name]}: ")
@@ -38,8 +42,8 @@ def make_machine(given: Mapping[str, str | None], document: dict | None = None) 
         ValueError: If any value is wrong; one line each.
     """
     flags = {name: value for name, value in given.items() if value is not None}
-    values = {}
-    for place in ((document or {}).get("machine", {}), read_environment(), flags):
+    settled, values = {*flags} | (WHO if WHO & {*flags} else set()), {}
+    for place in ((document or {}).get("machine", {}), read_environment(settled), flags):
         if WHO & set(place):
             values = {name: value for name, value in values.items() if name not in WHO}
         values |= place
